@@ -32,7 +32,7 @@ ROWS = (
     ("", f"{limits.WAITING} times that by the clock"),
     ("", f"{limits.BYTES // 2**30} GiB of memory, and twice what the numbers may take (Linux)"),
     ("", f"{hdf5_file._LARGEST_CHUNK // 2**30} GiB in a chunk; {hdf5_file._LONGEST_UNIT} bytes in a unit"),
-    ("MAT", f"{columns.DEEPEST} structs in each other; {v73._LONGEST_TEXT // MIB} MiB of text in version 7.3"),
+    ("MAT", f"{columns.MOST_STRUCTS} structs in each other; {v73._LONGEST_TEXT // MIB} MiB of text in version 7.3"),
     ("bags and MCAP", f"{guard.MOST_MESSAGE // MIB} MiB in a message; {guard._LARGEST_CHUNK // 2**30} GiB in a chunk"),
     ("", f"{guard._MOST_OPEN // 2**30} GiB of chunks that overlap in time"),
     ("", f"{walk._MOST_STEPS:,} fields in a message, {walk._MOST_DEPTH} in each other"),

@@ -24,7 +24,7 @@ from flexdyn.records.table import Rows, Table, as_floats, check_name
 KEY = "flexdyn"
 """Text variable with the place of each channel, in order, and the meta data."""
 
-DEEPEST = 16
+MOST_STRUCTS = 16
 """Structs that may nest in each other."""
 
 MOST_SHOWN = 12

@@ -19,7 +19,7 @@ import numpy as np
 from flexdyn.errors import InputError
 from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.bounds import check_size
-from flexdyn.records.matlab.columns import DEEPEST, Leaf, LeafColumns
+from flexdyn.records.matlab.columns import MOST_STRUCTS, Leaf, LeafColumns
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table, damage_named
 
@@ -72,8 +72,8 @@ def read_here(path: Path, request: Request) -> Table:
 
 def _leaves(matlab: Any, name: str, value: Any, depth: int) -> Iterator[Leaf]:
     """A variable as SciPy gives it, or the content of its fields."""
-    if depth > DEEPEST:
-        raise InputError(f"structs nest deeper than {DEEPEST}", value=name, remedy="save plainer variables")
+    if depth > MOST_STRUCTS:
+        raise InputError(f"structs nest deeper than {MOST_STRUCTS}", value=name, remedy="save plainer variables")
     other = _other(matlab, value)
     if other == "a struct array" and value.size == 1:
         for field in value.dtype.names:

@@ -18,7 +18,7 @@ from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.bounds import MOST_COLUMNS, check_size
 from flexdyn.records.hdf5.file import attribute, check_storage, member
 from flexdyn.records.hdf5.library import library, new_file
-from flexdyn.records.matlab.columns import DEEPEST, Leaf, LeafColumns
+from flexdyn.records.matlab.columns import MOST_STRUCTS, Leaf, LeafColumns
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table, damage_named
 
@@ -96,8 +96,8 @@ class _Reader:
     def leaves(self, group: Any, link: str, name: str, depth: int) -> Iterator[Leaf]:
         """The leaves in a member of a group."""
         self._met += 1
-        if depth > DEEPEST or self._met > MOST_COLUMNS:
-            problem = f"structs nest deeper than {DEEPEST} or have more than {MOST_COLUMNS} fields"
+        if depth > MOST_STRUCTS or self._met > MOST_COLUMNS:
+            problem = f"structs nest deeper than {MOST_STRUCTS} or have more than {MOST_COLUMNS} fields"
             raise InputError(problem, value=name, remedy="save plainer variables")
         node = member(self._h5py, group, link)
         if isinstance(node, self._h5py.Group):
