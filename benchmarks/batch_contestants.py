@@ -18,7 +18,7 @@ from mujoco_friction import harden
 
 import flexdyn as fd
 from flexdyn import _core
-from flexdyn.simulation.job import prepare
+from flexdyn.simulation.job import Shared, prepare
 
 CHUNK = 128  # runs: what a thread of flexdyn takes at a time, as a study does
 STEP = 1e-3  # s, MuJoCo's
@@ -68,9 +68,8 @@ class Flexdyn:
                 DURATION,
                 self.solver,
                 starts | {"q": self.batch.starts[k]},
-                1.0,
-                grid,
                 None,
+                Shared(1.0, grid),
             )
             for k in which
         ]

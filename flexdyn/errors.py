@@ -156,6 +156,15 @@ def placed(*, file: str | Path | None = None, key: str | None = None) -> Iterato
         raise error.at(file=file, key=key) from error.__cause__
 
 
+@contextmanager
+def retold(**data: Any) -> Iterator[None]:
+    """Around code whose errors name another place than the user's: these data replace those of the error."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(error.problem, **(error.data | data)) from None
+
+
 def check_installed(library: str, extra: str) -> None:
     """Check that an optional library is installed, without loading it.
 

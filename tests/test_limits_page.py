@@ -10,7 +10,7 @@ from flexdyn.records import bounds, meta, table
 from flexdyn.records.apart import server as limits
 from flexdyn.records.csv import file as csv_file
 from flexdyn.records.hdf5 import file as hdf5_file
-from flexdyn.records.matlab import v5, v73
+from flexdyn.records.matlab import columns, v73
 from flexdyn.records.ros import definitions, guard, walk
 from flexdyn.robot import urdf, values, xmlfile
 
@@ -26,14 +26,13 @@ ROWS = (
     ("", f"{table._LONGEST_NAME} letters in a channel's name; {meta._LONGEST_META // MIB} MiB of meta"),
     ("CSV", f"{csv_file._LONGEST_LINE // MIB} MiB in a line"),
     (
-        "HDF5 and MAT 7.3",
+        "HDF5 and MAT",
         f"{limits.COMPUTING_SECONDS} s of computing, and 1 s more for every {limits.BYTES_A_SECOND:,} bytes",
     ),
     ("", f"{limits.WAITING} times that by the clock"),
     ("", f"{limits.BYTES // 2**30} GiB of memory, and twice what the numbers may take (Linux)"),
     ("", f"{hdf5_file._LARGEST_CHUNK // 2**30} GiB in a chunk; {hdf5_file._LONGEST_UNIT} bytes in a unit"),
-    ("MAT", f"{v5._DEEPEST} structs in each other; {v5._MOST_DIMENSIONS} dimensions"),
-    ("", f"{v73._LONGEST_TEXT // MIB} MiB of text"),
+    ("MAT", f"{columns.MOST_STRUCTS} structs in each other; {v73._LONGEST_TEXT // MIB} MiB of text in version 7.3"),
     ("bags and MCAP", f"{guard.MOST_MESSAGE // MIB} MiB in a message; {guard._LARGEST_CHUNK // 2**30} GiB in a chunk"),
     ("", f"{guard._MOST_OPEN // 2**30} GiB of chunks that overlap in time"),
     ("", f"{walk._MOST_STEPS:,} fields in a message, {walk._MOST_DEPTH} in each other"),

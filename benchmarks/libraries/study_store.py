@@ -15,8 +15,9 @@ import numpy as np
 import zarr
 from comparison import Case, Comparison, times_of
 
-from flexdyn.batch.layout import FILE, StoreArray, array_metadata, encoded
+from flexdyn.batch.layout import StoreArray
 from flexdyn.batch.pieces import LEVEL, write_piece
+from flexdyn.batch.store import make_arrays
 
 RUNS, CHUNKS, SAMPLES, JOINTS = 128, 16, 41, 2
 STATUS = "status"
@@ -59,11 +60,8 @@ def _layout(name: str, values: Any) -> StoreArray:
 
 def _made_by_hand(folder: Path, columns: Columns) -> None:
     shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir()
     made = [_layout(name, values) for name, values in columns.items()]
-    for each in made:
-        (folder / each.name).mkdir()
-        (folder / each.name / FILE).write_bytes(encoded(array_metadata(each)))
+    make_arrays(folder, {}, made)
     for chunk in range(CHUNKS):
         for each in made:
             write_piece(folder / each.name, chunk, each.piece, columns[each.name], each.fill)

@@ -40,13 +40,7 @@ class Aim:
         """
         if self.reference is None:
             raise ValueError("there is no reference to track")
-        breaks, coefficients, last = self.reference.pieces(self.reference.values)
-        piece = np.clip(np.searchsorted(breaks, t, "right") - 1, 0, len(breaks) - 2)
-        ahead = (t - breaks[piece])[:, None]
-        values = np.zeros((len(t), coefficients.shape[2]))
-        for power in reversed(range(coefficients.shape[1])):
-            values = values * ahead + coefficients[piece, power]
-        return np.where((t >= breaks[-1])[:, None], last, values)
+        return self.reference.at(t, self.reference.values)
 
 
 def aim_of(command: Any, model: FlexibleJointModel, duration: float) -> Aim:

@@ -25,7 +25,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import model_from_dict
 from flexdyn.records import Recording, read_recording
 from flexdyn.simulation.command_input import make_drive
-from flexdyn.simulation.job import Job, prepare
+from flexdyn.simulation.job import Job, Shared, prepare
 from flexdyn.simulation.parameter_variants import VariantColumns, Variants
 from flexdyn.simulation.solvers import Solver, make_solver
 
@@ -172,7 +172,7 @@ class Cases:
             InputError: a number that the run cannot have.
         """
         study, starts = self.study, {signal: case.starts.get(f"{signal}0") for signal in ("q", "v", "theta", "omega")}
-        return prepare(case.model, case.command, study.duration, self.solver, starts, study.rate, None, None)
+        return prepare(case.model, case.command, study.duration, self.solver, starts, None, Shared(study.rate, None))
 
     @cached_property
     def _order(self) -> dict[str, int]:

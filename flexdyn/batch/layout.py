@@ -1,13 +1,8 @@
-"""The arrays of a study's store: names, shapes, units, which follow from the study; and their metadata.
-
-The metadata are byte for byte those that zarr writes in version 3 of its format. zarr itself makes the arrays one by
-one, each with an event loop and several accesses to the file system. This takes longer than a hundred short runs.
-"""
+"""The arrays of a study's store: names, shapes, units, which follow from the study."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import Any
@@ -16,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.batch.cases import Cases
-from flexdyn.batch.pieces import LEVEL
 from flexdyn.records.dataset import LONG_NAMES
 from flexdyn.records.units import signal_unit
 
@@ -24,13 +18,6 @@ DONE = "ok"
 NOT_DONE = "not done"
 _LONGEST_ARRAY = 200  # bytes
 _FILL = {"string": NOT_DONE, "float64": np.nan, "int64": 0}
-FILE = "zarr.json"
-"""The file's name, in the folder of the store and of every array."""
-_SERIALIZERS: dict[str, dict[str, Any]] = {
-    "string": {"name": "vlen-utf8", "configuration": {}},
-    "float64": {"name": "bytes", "configuration": {"endian": "little"}},
-    "int64": {"name": "bytes", "configuration": {"endian": "little"}},
-}
 
 
 @dataclass(frozen=True)
@@ -42,7 +29,7 @@ class StoreArray:
         dims: of ``run``, ``time``, ``joint``.
         shape: in runs, samples, joints.
         piece: shape of each of the pieces that it is cut into, all alike: a chunk of runs, or all of a coordinate.
-        dtype: as the Zarr format calls it: ``float64``, ``int64`` or ``string``.
+        dtype: as zarr calls it: ``float64``, ``int64`` or ``string``.
         attrs: kind, units, long_name; ``name`` where the array's own is another, see `array_name`.
         values: of a coordinate, which is written at once; None: chunk by chunk.
     """
@@ -109,50 +96,3 @@ def array_name(name: str) -> str:
         return safe
     begin = safe.encode()[: _LONGEST_ARRAY // 2].decode(errors="ignore")
     return f"{begin}%{sha256(name.encode()).hexdigest()[:32]}"
-
-
-def array_metadata(each: StoreArray) -> dict[str, Any]:
-    """The metadata of one array.
-
-    Args:
-        each: the array.
-    """
-    zstd = {"name": "zstd", "configuration": {"level": LEVEL, "checksum": False}}
-    return {
-        "shape": list(each.shape),
-        "data_type": each.dtype,
-        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": list(each.piece)}},
-        "chunk_key_encoding": {"name": "default", "configuration": {"separator": "."}},
-        "fill_value": "NaN" if each.dtype == "float64" else each.fill,
-        "codecs": [_SERIALIZERS[each.dtype], zstd, {"name": "crc32c"}],
-        "attributes": dict(each.attrs),
-        "dimension_names": list(each.dims),
-        "zarr_format": 3,
-        "node_type": "array",
-        "storage_transformers": [],
-    }
-
-
-def group_metadata(attrs: Mapping[str, Any], arrays: Sequence[StoreArray]) -> dict[str, Any]:
-    """The metadata of the whole store, with those of all its arrays, so that a reader needs one file.
-
-    Args:
-        attrs: of the store.
-        arrays: in it.
-    """
-    found = {each.name: array_metadata(each) for each in sorted(arrays, key=lambda each: each.name)}
-    return {
-        "attributes": dict(attrs),
-        "zarr_format": 3,
-        "consolidated_metadata": {"kind": "inline", "must_understand": False, "metadata": found},
-        "node_type": "group",
-    }
-
-
-def encoded(content: Mapping[str, Any]) -> bytes:
-    """The bytes of the file.
-
-    Args:
-        content: metadata.
-    """
-    return json.dumps(content, indent=2).encode()

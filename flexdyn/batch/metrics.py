@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from flexdyn.batch.aim import Aim
 from flexdyn.batch.catalogue import METRICS, Metric, RunMetric
 from flexdyn.batch.motion import RunsMotion
-from flexdyn.errors import InputError, did_you_mean, placed
+from flexdyn.errors import InputError, did_you_mean, placed, retold
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 _SLIDING = {"N m": "N", "rad": "m"}
@@ -105,11 +105,8 @@ def _check_needs(each: Metric, model: FlexibleJointModel, aim: Aim) -> None:
         remedy = "give a duration beyond the command's end"
         raise InputError("the command does not come to rest before the run ends", value=each.name, remedy=remedy)
     if "tip" in each.needs:
-        try:
+        with retold(key=None, value=each.name, remedy="write a metric of your own: package.module:function"):
             _ = model.robot.tip
-        except InputError as error:
-            remedy = "write a metric of your own: package.module:function"
-            raise InputError(error.problem, value=each.name, remedy=remedy) from None
     if each.joint:
         model.index(each.joint)
     elif "alike" in each.needs and len(set(model.robot.kinds)) > 1:

@@ -97,9 +97,7 @@ class RunsMotion:
 
     def root_mean_square(self, values: Array) -> Array:
         """Integral over time of values (runs, samples), by the trapezoidal rule."""
-        squares = values**2
-        areas = np.diff(self.t) * (0.5 * (squares[:, 1:] + squares[:, :-1]))
-        return np.asarray(np.sqrt(areas.sum(axis=1) / (self.t[-1] - self.t[0])))
+        return np.asarray(np.sqrt(np.trapezoid(values**2, self.t, axis=1) / (self.t[-1] - self.t[0])))
 
 
 def lengths(vectors: Array) -> Array:

@@ -9,19 +9,21 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from flexdyn.batch.cases import cases_of
-from flexdyn.batch.layout import FILE, StoreArray, array_metadata, encoded, group_metadata, layouts
-from flexdyn.batch.pieces import is_whole, write_piece
+from flexdyn.batch.layout import StoreArray, layouts
+from flexdyn.batch.pieces import LEVEL, is_whole, write_piece
 from flexdyn.batch.study import Study
 from flexdyn.errors import InputError, check_installed
 
 STORE_FORMAT = 1
+_FILE = "zarr.json"
 
 
 def create(study: Study, path: Path) -> Store:
@@ -56,7 +58,7 @@ def open_store(path: str | Path) -> Store:
     if not folder.exists():
         raise InputError("there is no such store", file=path)
     try:
-        attrs = json.loads((folder / FILE).read_bytes())["attributes"]
+        attrs = json.loads((folder / _FILE).read_bytes())["attributes"]
         found = attrs.get("flexdyn_batch")
         study = Study.from_text(attrs["study"]) if found == STORE_FORMAT else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
@@ -165,15 +167,40 @@ def _skeleton(study: Study, path: Path) -> Iterator[Path]:
     if folder.exists():
         shutil.rmtree(folder)
     try:
-        folder.mkdir()
-        for each in arrays:
-            place = folder / each.name
-            place.mkdir()
-            (place / FILE).write_bytes(encoded(array_metadata(each)))
-            if each.values is not None:
-                write_piece(place, 0, each.piece, each.values, each.fill)
         attrs = {"flexdyn_batch": STORE_FORMAT, "flexdyn": __version__, "study": study.to_text()}
-        (folder / FILE).write_bytes(encoded(group_metadata(attrs, arrays)))
+        make_arrays(folder, attrs, arrays)
+        for each in arrays:
+            if each.values is not None:
+                write_piece(folder / each.name, 0, each.piece, each.values, each.fill)
         yield folder
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def make_arrays(folder: Path, attrs: Mapping[str, Any], arrays: Sequence[StoreArray]) -> None:
+    """Make a group of empty arrays; its own file has the metadata of all of them, so that a reader needs one file.
+
+    Args:
+        folder: of the group, which does not exist yet.
+        attrs: of the group.
+        arrays: in it.
+    """
+    import zarr
+    from zarr.codecs import Crc32cCodec, ZstdCodec
+
+    group = zarr.create_group(folder, zarr_format=3, attributes=dict(attrs))
+    for each in arrays:
+        group.create_array(
+            each.name,
+            shape=each.shape,
+            chunks=each.piece,
+            dtype=each.dtype,
+            fill_value=each.fill,
+            dimension_names=each.dims,
+            attributes=dict(each.attrs),
+            compressors=[ZstdCodec(level=LEVEL), Crc32cCodec()],
+            chunk_key_encoding={"name": "default", "separator": "."},
+        )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # consolidated metadata are not part of version 3 of the format yet
+        zarr.consolidate_metadata(group.store)

@@ -49,18 +49,13 @@ def sensitivity(parameter: Array, metric: Array) -> Sensitivity | None:
     x, y = parameter[there], metric[there]
     if len(x) < 3 or x.min() == x.max() or y.min() == y.max():
         return None
-    correlation = float(np.corrcoef(ranks(x), ranks(y))[0, 1])
+    from scipy.stats import spearmanr  # here, as `import flexdyn` loads no scipy
+
+    correlation = float(spearmanr(x, y).statistic)
     mean = float(y.mean())
     ends = np.quantile(x, [FIFTH, 1.0 - FIFTH])
     low, high = float(y[x <= ends[0]].mean()) - mean, float(y[x >= ends[1]].mean()) - mean
     return Sensitivity(correlation, 1.96 / float(np.sqrt(len(x) - 1)), low, high)
-
-
-def ranks(values: Array) -> Array:
-    """Ranks of values, from 0; equal values have the mean of their ranks."""
-    from scipy.stats import rankdata  # here, as `import flexdyn` loads no scipy
-
-    return np.asarray(rankdata(values) - 1.0)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from flexdyn.cli.options import naming, output_folder, span_of
 from flexdyn.cli.recordings import parts_of
-from flexdyn.errors import InputError, MissingExtra
+from flexdyn.errors import InputError, check_installed
 
 if TYPE_CHECKING:
     from flexdyn.diagnose.report.measures import Record
@@ -70,11 +70,8 @@ def check_twice(fit: Sequence[Path], check: Sequence[Path]) -> None:
 
 def check_pictures() -> None:
     """What the report is drawn with is there: better said now than after minutes of work."""
-    from importlib.util import find_spec
-
     for library in ("matplotlib", "plotly"):
-        if find_spec(library) is None:
-            raise MissingExtra(library, "plot")
+        check_installed(library, "plot")
 
 
 def named(paths: Sequence[Path]) -> str:

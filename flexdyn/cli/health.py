@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import platform
+import re
 import shutil
 import sys
 import tempfile
@@ -23,19 +24,6 @@ from flexdyn.simulation import solvers
 from flexdyn.simulation.plant import LinkSide
 from flexdyn.simulation.simulate import simulate
 
-LIBRARIES = (
-    "flexdyn",
-    "pin",
-    "numpy",
-    "scipy",
-    "lxml",
-    "yourdfpy",
-    "meshcat",
-    "jinja2",
-    "ruamel.yaml",
-    "typer",
-    "rich",
-)
 EXTRAS: dict[str, tuple[str, tuple[str, ...]]] = {
     "plot": ("pictures and reports", ("matplotlib", "plotly")),
     "hdf5": ("HDF5 and MATLAB v7.3", ("h5py",)),
@@ -54,7 +42,8 @@ AGREE, CLOSED, DECAY = 1e-8, 1e-9, 1e-5
 def versions() -> dict[str, str]:
     """Versions by name; of the interpreter and the system too."""
     found = {"Python": platform.python_version(), "system": f"{platform.system()} {platform.machine()}"}
-    for name in LIBRARIES:
+    required = [each for each in metadata.requires("flexdyn") or () if "extra ==" not in each]
+    for name in ("flexdyn", *(re.split(r"[^\w.-]", each)[0] for each in required)):
         try:
             found[name] = metadata.version(name)
         except metadata.PackageNotFoundError:

@@ -71,7 +71,8 @@ def info(
     if as_json:
         show_json(document)
         return
-    show(_head(document), _limits(document), _drives(document), motors(document["joints"]))
+    limits = table("Joints", ("joint", "type", "range", "speed", "effort"), found.model.robot.limit_rows())
+    show(_head(document), limits, _drives(document), motors(document["joints"]))
     show(_axes(document), _followers(document), _effects(document))
     if modes:
         show(*cli_modes.tables(document["modes"], {joint["name"]: joint["elastic"] for joint in document["joints"]}))
@@ -197,20 +198,6 @@ def _head(document: Mapping[str, Any]) -> str:
     if document["lock"]:
         lines.append("locked: " + ", ".join(f"{name} at {number(value)}" for name, value in document["lock"].items()))
     return "\n".join(lines)
-
-
-def _limits(document: Mapping[str, Any]) -> Any:
-    rows = [
-        (
-            joint["name"],
-            joint["type"],
-            f"{number(joint['lower'])} to {number(joint['upper'])} {joint['unit']}",
-            f"{number(joint['velocity_limit'])} {joint['unit']}/s",
-            f"{number(joint['effort_limit'])} {'N m' if joint['unit'] == 'rad' else 'N'}",
-        )
-        for joint in document["joints"]
-    ]
-    return table("Joints", ("joint", "type", "range", "speed", "effort"), rows)
 
 
 def _drives(document: Mapping[str, Any]) -> Any:

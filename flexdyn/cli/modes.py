@@ -10,7 +10,7 @@ import numpy as np
 
 from flexdyn.analysis import Modes, PathFrequencies, frequencies_over_path, modes
 from flexdyn.cli.output import number, table
-from flexdyn.errors import InputError
+from flexdyn.errors import placed
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import read_recording
 
@@ -107,9 +107,7 @@ def along(model: FlexibleJointModel, path: Path) -> PathFrequencies:
         InputError: a joint whose q the recording lacks.
     """
     recording = read_recording(path)
-    try:
+    with placed(file=path):
         poses = recording.signal("q", model.joint_names)
-    except InputError as error:
-        raise error.at(file=path) from None
     kept = np.unique(np.linspace(0, len(poses) - 1, PATH_POSES).round().astype(int))
     return frequencies_over_path(model, poses[kept])

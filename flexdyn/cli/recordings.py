@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from flexdyn.cli.options import span_of
 from flexdyn.cli.output import console
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, placed, retold
 from flexdyn.records import Recording, RecordingWarning, read_recording
 
 T = TypeVar("T")
@@ -47,10 +47,8 @@ def trimmed(recordings: Sequence[Recording], spans: Sequence[str]) -> list[Recor
 
 def _trim(rec: Recording, span: str) -> Recording:
     start, end = span_of("--trim", span)
-    try:
+    with retold(file=rec.name, key="--trim"):
         return rec.trim(start, end)
-    except InputError as error:
-        raise InputError(error.problem, **{**error.data, "file": rec.name, "key": "--trim"}) from None
 
 
 def _for_each(given: Sequence[T], count: int, option: str, what: str) -> list[T | None]:
@@ -81,10 +79,8 @@ def load(path: Path, *, map: Path | None = None, name: str | None = None) -> Rec
         problem = f"{len(maps)} maps for {len(files)} files side by side"
         raise InputError(problem, key="--map", value=str(map), remedy="give one for all, or one+one for each in order")
     first, *others = (_load(file, map=each) for file, each in zip(files, maps * (len(files) // len(maps)), strict=True))
-    try:
+    with placed(file=path):
         made = first.beside(*others)
-    except InputError as error:
-        raise error.at(file=path) from None
     for said in made.meta["notes"][-len(files) :]:
         warnings.warn(f"{path}: {said}", RecordingWarning, stacklevel=2)
     return made
@@ -100,9 +96,8 @@ def _load(path: Path, *, map: Path | None = None, name: str | None = None) -> Re
     err = console(stderr=True)
     if not err.is_terminal or not path.is_file() or path.stat().st_size < LARGE:
         return read_recording(path, map=map, name=name)
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=err, transient=True) as bar:
+    with Progress(console=err, transient=True) as bar:
         task = bar.add_task(f"reading {path.name}", total=1.0)
         return read_recording(path, map=map, name=name, progress=lambda share: bar.update(task, completed=share))

@@ -88,7 +88,7 @@ class Comparison(Public):
         """HTML for notebooks: the errors of every channel."""
         heads = ("channel", "unit", "RMS", "largest", "at [s]", "bias", "relative")
         rows = (
-            (each.channel, each.unit or "-", each.rms, each.largest, each.at, each.bias, _or_dash(each.relative))
+            (each.channel, each.unit or "-", each.rms, each.largest, each.at, each.bias, each.relative)
             for each in self.rows
         )
         return card(repr(self)[1:-1], {}, table(heads, rows))
@@ -195,10 +195,6 @@ def _channel_error(one: MotionSource, two: MotionSource, channel: str, rows: sli
         bias=float(error.mean()),
         relative=both.rms / spread if varies else None,
     )
-
-
-def _or_dash(value: float | None) -> float | str:
-    return "-" if value is None else value
 
 
 def _listed(source: MotionSource) -> str:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.comparison.motion_sources import HELD, MotionSource
+from flexdyn.comparison.motion_sources import MotionSource
 from flexdyn.errors import InputError
 from flexdyn.records.signals.gaps import in_gaps
-from flexdyn.records.units import split_name
+from flexdyn.records.units import is_held
 
 LARGEST_COMPARED = 1e290
 """Largest number that is compared: sums of such numbers do not overflow."""
@@ -95,8 +95,7 @@ def taken_at(source: MotionSource, channel: str, t: Array) -> Array:
         t: within the source's own times [s].
     """
     own, values = source.recording.t, source.recording[channel]
-    parts = split_name(channel)
-    if parts and parts[0] in HELD:
+    if is_held(channel):
         rows = np.searchsorted(own, t + slack(source), "right") - 1
         return np.asarray(values[np.clip(rows, 0, None)])
     return np.interp(t, own, values)

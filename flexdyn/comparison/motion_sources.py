@@ -12,13 +12,9 @@ from numpy.typing import NDArray
 from flexdyn.errors import InputError
 from flexdyn.records import Recording
 from flexdyn.records.given import as_recording
-from flexdyn.records.units import PRISMATIC
-from flexdyn.records.units import SIGNALS as UNITS
+from flexdyn.records.units import signal_unit
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.run import Run
-
-HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
-"""Signals that are held from one sample to the next; all others are interpolated linearly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,6 +139,5 @@ def _true(run: Run) -> Recording:
     for signal in SIGNALS:
         for j, name in enumerate(run.joint_names):
             channels[f"{signal}.{name}"] = getattr(run, signal)[:, j]
-            prismatic = run.model.robot.kinds[j] == "prismatic"
-            units[f"{signal}.{name}"] = PRISMATIC[UNITS[signal]] if prismatic else UNITS[signal]
+            units[f"{signal}.{name}"] = signal_unit(signal, prismatic=run.model.robot.kinds[j] == "prismatic")
     return Recording(run.t, channels, meta={"units": units}, name=run.model.name)

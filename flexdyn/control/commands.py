@@ -109,8 +109,19 @@ class Samples:
             slope = np.diff(columns, axis=0) / np.diff(t)[:, None]
             coef = np.stack([columns[:-1], slope], axis=1)
         else:
-            coef = spline(self.interpolation, t, columns).c[::-1].transpose(1, 0, 2)
+            from scipy.interpolate import CubicSpline, PchipInterpolator
+
+            spline = CubicSpline if self.interpolation == "cubic" else PchipInterpolator
+            coef = spline(t, columns).c[::-1].transpose(1, 0, 2)
         return t, np.ascontiguousarray(coef), np.ascontiguousarray(columns[-1])
+
+    def at(self, t: Array, columns: Array) -> Array:
+        """Columns at times from the first sample on (times, width); after the end their last value."""
+        from scipy.interpolate import PPoly
+
+        breaks, coefficients, last = self.pieces(columns)
+        values = PPoly(coefficients[:, ::-1].swapaxes(0, 1), breaks)(t)
+        return np.where((t >= breaks[-1])[:, None], last, values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,13 +273,6 @@ def check_feedback(key: str, given: Any) -> None:
     """
     if given not in ("theta", "q"):
         raise InputError("no such feedback", key=key, value=given, remedy="it is theta or q")
-
-
-def spline(kind: Interpolation, t: Array, columns: Array) -> Any:
-    """The cubic pieces through columns of samples: ``cubic`` or ``monotone``."""
-    from scipy.interpolate import CubicSpline, PchipInterpolator
-
-    return (CubicSpline if kind == "cubic" else PchipInterpolator)(t, columns)
 
 
 def checked_rate(key: str, rate: Any) -> float:

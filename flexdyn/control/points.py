@@ -24,7 +24,7 @@ import numpy as np
 
 from flexdyn.checks import check_known
 from flexdyn.control.commands import INTERPOLATIONS, PD, Interpolation, Samples
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, retold
 from flexdyn.io.yaml import check_keys
 
 COMMAND_KEYS = ("pd", "torques")
@@ -97,10 +97,8 @@ def points_of(entry: Any, key: str, between: Any) -> CommandPoints:
         if np.size(values) != length:
             problem = f"{np.size(values)} points where t has {length}"
             raise InputError(problem, key=f"{key}.{joint}", remedy="give one for each time")
-    try:
+    with retold(key=key):
         return CommandPoints(entry["t"], columns, interpolation)
-    except InputError as error:
-        raise InputError(error.problem, key=key, value=error.value, remedy=error.remedy) from None
 
 
 def _samples(entry: Any, key: str, between: Any, folder: Path | None) -> Any:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn.checks import Array, whole
-from flexdyn.control.commands import Samples, State, check_feedback, checked_rate, per_joint, spline
+from flexdyn.control.commands import Samples, State, check_feedback, checked_rate, per_joint
 from flexdyn.control.firmware import Firmware
 from flexdyn.errors import InputError
 
@@ -149,11 +149,6 @@ def _limits(given: Gains, names: tuple[str, ...]) -> Array:
 
 def _at_ticks(samples: Samples, names: tuple[str, ...], rate: float) -> Array:
     """Values at the controller's ticks (ticks, n), from the first sample to the last."""
-    columns, t = samples.columns(names), samples.t - samples.t[0]
-    ticks = np.arange(math.floor(t[-1] * rate + 1e-6) + 1) / rate
-    if samples.interpolation in ("cubic", "monotone"):
-        return np.asarray(spline(samples.interpolation, t, columns)(np.minimum(ticks, t[-1])))
-    if samples.interpolation == "linear":
-        return np.column_stack([np.interp(ticks, t, column) for column in columns.T])
-    slack = 1e-3 / rate  # a small delay of the clock does not move a sample to the next tick
-    return np.asarray(columns[np.clip(np.searchsorted(t, ticks + slack, "right") - 1, 0, None)])
+    ticks = np.arange(math.floor(samples.duration * rate + 1e-6) + 1) / rate
+    slack = 1e-3 / rate if samples.interpolation == "hold" else 0.0  # a late clock moves no sample to the next tick
+    return samples.at(ticks + slack, samples.columns(names))

@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterable, Sequence
 
 from flexdyn.effects.base import JointEffect, parameter, spaced
-from flexdyn.effects.extent import SLOW_HARMONICS, MotionExtent, wave
+from flexdyn.effects.extent import SLOW_HARMONICS, MotionExtent
+from flexdyn.effects.waves import WaveEffect
 
 
 class ActuatorEffect(JointEffect, abstract=True):
@@ -56,7 +57,7 @@ class TorqueConstantError(ActuatorEffect):
     gain: float = parameter("1")
 
 
-class TorqueRipple(ActuatorEffect):
+class TorqueRipple(WaveEffect, ActuatorEffect):
     """Torque that varies with the rotor's angle: cogging, slots, uneven phase currents.
 
     ``tau_applied = tau + amplitude sin(harmonic theta + phase)``.
@@ -69,26 +70,15 @@ class TorqueRipple(ActuatorEffect):
     """
 
     law = "tau + amplitude*sin(harmonic*theta + phase)"
-    neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.3, "harmonic": 2.0, "phase": 0.0}
-    periodic = True
-    linear_bounds = (-math.inf, -math.inf)
-    axes = ("harmonic",)
     order = 3
 
     amplitude: float = parameter("N m")
-    harmonic: float = parameter("1")
-    phase: float = parameter("rad")
 
     @classmethod
     def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
         """See the base class."""
         return extent.waves(SLOW_HARMONICS if extent.turns else (), (1.0, 2.0, 3.0, 6.0))
-
-    @classmethod
-    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
-        """From its sine and cosine parts."""
-        return wave(point, x)
 
     @classmethod
     def small(cls, extent: MotionExtent) -> float:

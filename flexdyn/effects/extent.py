@@ -1,17 +1,12 @@
-"""What a joint does in recordings: the scales of what a diagnosis tries of an effect; and waves over its position."""
+"""What a joint does in recordings: the scales of what a diagnosis tries of an effect."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 SLOW_HARMONICS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
 """Cycles per turn of the joint that are tried [1]."""
-POSITION_STEP = 1e-6
-"""Amplitude of a wave in a position at which a diagnosis computes what it does [rad or m]."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +55,3 @@ class MotionExtent:
         """
         cycles = (*of_joint, *(k * self.ratio for k in of_motor))
         return [(h,) for h in cycles if self.turns or h * self.span >= 1.0]
-
-
-def wave(point: Sequence[float], x: Sequence[float]) -> dict[str, float]:
-    """Numbers of ``amplitude sin(harmonic position + phase)`` with these sine and cosine parts."""
-    return {"amplitude": float(np.hypot(x[0], x[1])), "harmonic": point[0], "phase": math.atan2(x[1], x[0])}

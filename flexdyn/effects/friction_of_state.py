@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.effects.base import JointEffect, parameter, spaced
-from flexdyn.effects.extent import SLOW_HARMONICS, MotionExtent, wave
+from flexdyn.effects.extent import SLOW_HARMONICS, MotionExtent
 from flexdyn.effects.memory import MemoryEffect
+from flexdyn.effects.waves import WaveEffect
 
 LONGEST_BRISTLE_TIME = 0.1
 """Longest time constant of bristles that is fitted, damping/stiffness [s]."""
 
 
-class PositionDependentFriction(JointEffect):
+class PositionDependentFriction(WaveEffect, JointEffect):
     """Dry friction that comes and goes over a turn: an eccentric bearing, teeth of uneven fit.
 
     ``f = amplitude (1 + sin(harmonic x + phase)) Sgn(u)``, set-valued at rest; it is never negative.
@@ -32,17 +33,12 @@ class PositionDependentFriction(JointEffect):
     sides = ("link", "motor")
     stage = "dry"
     law = "amplitude*(1 + sin(harmonic*x + phase))*Sgn(u)"
-    neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.5, "harmonic": 2.0, "phase": 0.0}
-    periodic = True
     linear_bounds = (-math.inf, -math.inf, -math.inf)
-    axes = ("harmonic",)
     contains = ("coulomb_friction",)
     plainer = ("coulomb_friction",)
 
     amplitude: float = parameter("N m", lower=0.0)
-    harmonic: float = parameter("1")
-    phase: float = parameter("rad")
 
     @classmethod
     def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
@@ -52,7 +48,12 @@ class PositionDependentFriction(JointEffect):
     @classmethod
     def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
         """From the weights of ``1 + sin``, ``1 + cos`` and ``1 - sin``."""
-        return wave(point, (x[0] - x[2], x[1]))
+        return super().numbers_of(point, (x[0] - x[2], x[1]))
+
+    @classmethod
+    def small(cls, extent: MotionExtent) -> float:
+        """See the base class."""
+        return 1.0
 
 
 class PreslidingFriction(MemoryEffect):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Iterable, Sequence
 from typing import Any, ClassVar
 
@@ -12,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from flexdyn.checks import Array
 from flexdyn.effects.base import Effect, Side, Stage, parameter
-from flexdyn.effects.extent import POSITION_STEP, MotionExtent, wave
+from flexdyn.effects.extent import MotionExtent
+from flexdyn.effects.waves import WaveEffect
 from flexdyn.errors import InputError
 
 POSITIONS = ("q", "theta")
@@ -121,7 +121,7 @@ class ChannelLag(SensorEffect):
         return true[np.maximum(np.searchsorted(times, instants, side="right") - 1, 0)]
 
 
-class EncoderEccentricity(SensorEffect):
+class EncoderEccentricity(WaveEffect, SensorEffect):
     """An eccentric encoder disc: an error that is periodic over a turn.
 
     ``measured = x + amplitude sin(harmonic x + phase)``.
@@ -134,33 +134,17 @@ class EncoderEccentricity(SensorEffect):
     """
 
     law = "x + amplitude*sin(harmonic*x + phase)"
-    neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.002, "harmonic": 1.0, "phase": 0.0}
-    periodic = True
-    linear_bounds = (-math.inf, -math.inf)
-    axes = ("harmonic",)
     position_error = "amplitude"
     natural_size = 0.01
     signals = POSITIONS
 
-    amplitude: float = parameter("rad")
     harmonic: float = parameter("1", default=1.0)
-    phase: float = parameter("rad")
 
     @classmethod
     def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
         """See the base class."""
         return extent.waves((1.0, 2.0), (1.0, 2.0) if extent.signal == "theta" else ())
-
-    @classmethod
-    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
-        """From its sine and cosine parts."""
-        return wave(point, x)
-
-    @classmethod
-    def small(cls, extent: MotionExtent) -> float:
-        """See the base class."""
-        return POSITION_STEP
 
     def error(self, x: Array) -> Array:
         """Over the true position [rad]."""

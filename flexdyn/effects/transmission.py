@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike
 
 from flexdyn.checks import Array
 from flexdyn.effects.base import JointEffect, Stage, parameter, spaced
-from flexdyn.effects.extent import POSITION_STEP, MotionExtent, wave
+from flexdyn.effects.extent import MotionExtent
 from flexdyn.effects.memory import MemoryEffect
+from flexdyn.effects.waves import WaveEffect
 
 
 class TransmissionEffect(JointEffect, abstract=True):
@@ -180,7 +181,7 @@ class SpringHysteresis(MemoryEffect):
         return self.stiffness * z
 
 
-class KinematicError(DeflectionEffect):
+class KinematicError(WaveEffect, DeflectionEffect):
     """A gear with an uneven ratio over a turn: it deflects the spring as the rotor turns.
 
     ``delta -> delta + amplitude sin(harmonic theta + phase)``. The torque on the rotor is the spring's torque times ``1
@@ -196,34 +197,16 @@ class KinematicError(DeflectionEffect):
     """
 
     law = "delta -> delta + amplitude*sin(harmonic*theta + phase)"
-    neutral = {"amplitude": 0.0}
     shown = {"amplitude": 0.002, "harmonic": 2.0, "phase": 0.0}
     natural_size = 0.01
     order = 0
-    periodic = True
-    linear_bounds = (-math.inf, -math.inf)
-    axes = ("harmonic",)
     position_error = "amplitude"
     of_rotor = True
-
-    amplitude: float = parameter("rad")
-    harmonic: float = parameter("1")
-    phase: float = parameter("rad")
 
     @classmethod
     def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
         """See the base class."""
         return extent.waves((1.0, 2.0, 3.0, 4.0), (1.0, 2.0, 4.0))
-
-    @classmethod
-    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
-        """From its sine and cosine parts."""
-        return wave(point, x)
-
-    @classmethod
-    def small(cls, extent: MotionExtent) -> float:
-        """See the base class."""
-        return POSITION_STEP
 
     def slope(self, theta: Array) -> Array:
         """See the base class."""

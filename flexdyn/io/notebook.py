@@ -44,4 +44,4 @@ def _macro(name: str, *given: Any) -> str:
 
 
 def _text(cell: Any) -> str:
-    return f"{cell:.4g}" if isinstance(cell, float) else str(cell)
+    return f"{cell:.4g}" if isinstance(cell, float) else "-" if cell is None else str(cell)

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from flexdyn.checks import as_number, number
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, did_you_mean, retold
 from flexdyn.io.yaml import check_keys
 from flexdyn.robot import Robot
 
@@ -113,10 +113,8 @@ def link_inertias(entries: Any, robot: Robot) -> Links:
         if not 0.0 <= number.value < math.inf:
             problem = "it must be finite and at least 0"
             raise InputError(problem, key=f"{key}.{INERTIA}", value=number.value, remedy="give it in kg m^2")
-        try:
+        with retold(key=key, value=None):
             robot.with_link_inertia(str(link), number.value)
-        except InputError as error:
-            raise InputError(error.problem, key=key, remedy=error.remedy) from None
         found[str(link)] = number
     return MappingProxyType(found)
 

@@ -13,7 +13,7 @@ from flexdyn.checks import as_number, check_known, number
 from flexdyn.control.commands import PD, Samples, per_joint
 from flexdyn.control.points import command_of
 from flexdyn.effects import Effect, JointCoupling, JointEffect, JointElasticity, Payload, SensorEffect, effect_from_dict
-from flexdyn.errors import InputError, placed
+from flexdyn.errors import InputError, placed, retold
 from flexdyn.io.locked import frozen
 from flexdyn.model.joint import NUMBERS, Joint
 from flexdyn.robot import Robot
@@ -175,10 +175,8 @@ def _check_softening(name: str, joint: Joint) -> None:
 
 
 def _check_other(robot: Robot, effect: JointCoupling) -> None:
-    try:
+    with retold(key="other", value=effect.other):
         robot.joint_index(effect.other)
-    except InputError as error:
-        raise InputError(error.problem, key="other", value=effect.other, remedy=error.remedy) from None
 
 
 def _check_pairs(effects: list[Effect]) -> None:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, MissingExtra
+from flexdyn.errors import InputError, check_installed
 from flexdyn.io.files import write_text
 from flexdyn.paper import style
 from flexdyn.paper.arm_end import end_force, tip_deflection
@@ -103,8 +102,7 @@ def _diagnosis(out: Path, say: Callable[[str], None], place: int) -> tuple[str, 
     """The part that hides friction and finds it: it brings SciPy, and takes longer than all others."""
     from flexdyn.paper.hidden_friction import FOLDER, hidden_friction
 
-    if find_spec("plotly") is None:
-        raise MissingExtra("plotly", "plot")
+    check_installed("plotly", "plot")
     _make(out / FOLDER)
     title = "friction hidden, and found"
 

@@ -9,14 +9,13 @@ import numpy as np
 
 from flexdyn.comparison.compare import ChannelError, Comparison
 from flexdyn.comparison.difference import common_rows, difference
-from flexdyn.comparison.motion_sources import HELD
 from flexdyn.plots.arrange import Block, arrange
 from flexdyn.plots.palette import INK, hue, shade
 from flexdyn.plots.panel import Bar, Key, Panel, check_times, limits, short
 from flexdyn.plots.picture import Picture
 from flexdyn.plots.thinning import curve_over_time
 from flexdyn.plots.views import TIME
-from flexdyn.records.units import split_name
+from flexdyn.records.units import is_held, split_name
 
 MOST_BARS = 28
 """Largest number of channels of a unit that are drawn."""
@@ -78,7 +77,7 @@ def _over_time(found: Comparison, worst: Sequence[ChannelError]) -> Block:
     for row in worst:
         both = difference(one, two, row.channel, rows)
         unit = f" [{row.unit}]" if row.unit else ""
-        colour, held = _hue(found, row.channel), (split_name(row.channel) or ("",))[0] in HELD
+        colour, held = _hue(found, row.channel), is_held(row.channel)
         curves = [
             curve_over_time(both.t, values, f"{row.channel}, {source.name}", source.name, shade_, held=held)
             for source, values, shade_ in (

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from flexdyn.arrays import Array
@@ -12,14 +10,14 @@ from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import model_in
 from flexdyn.plots.palette import INK, LOSSES, PARTS
-from flexdyn.plots.panel import Curve, Panel, limits
+from flexdyn.plots.panel import Panel, limits
 from flexdyn.plots.scene import PlotScene
-from flexdyn.plots.thinning import outline
+from flexdyn.plots.thinning import curve_over_time
 from flexdyn.plots.views import TIME
 from flexdyn.records import Recording
-from flexdyn.simulation.energy import Energy
+from flexdyn.simulation.energy import Energy, StoredEnergy, stored_energy
 from flexdyn.simulation.inputs_and_signals import SIGNALS
-from flexdyn.simulation.plant import LinkSide, build_plant
+from flexdyn.simulation.plant import build_plant
 
 Entries = dict[str, tuple[Array, str]]
 """Curves of a panel: values and colour by label."""
@@ -27,38 +25,11 @@ UP = "energy [J]"
 ALL = "all of it"
 
 
-@dataclass(frozen=True, eq=False)
-class FileEnergy:
-    """Energies of a saved run [J], each (samples,).
+def file_energy(recording: Recording, model: FlexibleJointModel | None) -> tuple[StoredEnergy, Array]:
+    """Energies of a saved run, and what its motors have supplied since the first sample (samples,) [J].
 
     Kinetic, spring and gravity energy follow exactly from the state of every sample. The energy supplied by the motors
     is a sum over the samples, with tau_applied held from each to the next. A file does not determine the rest.
-
-    Attributes:
-        kinetic: of links and rotors.
-        spring: stored in springs.
-        gravity: of the links.
-        supplied: by the motors since the first sample.
-    """
-
-    kinetic: Array
-    spring: Array
-    gravity: Array
-    supplied: Array
-
-    @property
-    def mechanical(self) -> Array:
-        """Kinetic, spring and gravity energy together."""
-        return self.kinetic + self.spring + self.gravity
-
-    @property
-    def rest(self) -> Array:
-        """The supplied energy that is not stored: lost to friction, taken by wrenches, or an error of the sampling."""
-        return np.asarray(self.supplied - (self.mechanical - self.mechanical[0]))
-
-
-def file_energy(recording: Recording, model: FlexibleJointModel | None) -> FileEnergy:
-    """Energies of a saved run.
 
     Args:
         recording: with the signals of a run.
@@ -78,16 +49,11 @@ def file_energy(recording: Recording, model: FlexibleJointModel | None) -> FileE
     plant = build_plant(model)
     if plant.internal_states:
         raise InputError("the file does not hold the states of its friction and springs with memory")
-    if model.rotor_coupling == "full":
-        raise InputError("the energy of coupled rotors is not taken from files")
     q, theta, v, omega, _, applied, _ = (recording.signal(signal, model.joint_names) for signal in SIGNALS)
     elastic = model.elastic
-    kinetic, gravity = LinkSide(model).energy(q, v)
-    rotors = 0.5 * (omega[:, elastic] ** 2 @ true.rotor_inertia[elastic])
-    spring = np.empty(len(q))
-    plant.stored_energy(np.hstack([q, theta[:, elastic], v, omega[:, elastic]]), spring)
+    stored = stored_energy(true, plant, np.hstack([q, theta[:, elastic], v, omega[:, elastic]]))
     work = np.sum(applied[:-1] * np.diff(theta, axis=0), axis=1)
-    return FileEnergy(kinetic + rotors, spring, gravity, np.concatenate([[0.0], np.cumsum(work)]))
+    return stored, np.concatenate([[0.0], np.cumsum(work)])
 
 
 def _model_in(recording: Recording) -> FlexibleJointModel:
@@ -111,9 +77,10 @@ def energy_panels(scene: PlotScene, place: int, model: FlexibleJointModel | None
     source = scene.sources[place]
     name = f" of {source.name}" if len(scene.sources) > 1 else ""
     if source.run is None:
-        found = file_energy(source.recording, model)
-        flows = {"supplied by the motors": (found.supplied, PARTS["supplied"])}
-        flows["lost to friction, wrenches, sampling"] = (found.rest, LOSSES[0])
+        found, supplied = file_energy(source.recording, model)
+        rest = supplied - (found.mechanical - found.mechanical[0])
+        flows = {"supplied by the motors": (supplied, PARTS["supplied"])}
+        flows["lost to friction, wrenches, sampling"] = (rest, LOSSES[0])
         return (
             _panel(f"Energy{name}: where it is", scene, place, _stored(found)),
             _panel(f"Energy{name}: supplied and lost since the first sample", scene, place, flows),
@@ -128,7 +95,7 @@ def energy_panels(scene: PlotScene, place: int, model: FlexibleJointModel | None
     )
 
 
-def _stored(energy: Energy | FileEnergy) -> Entries:
+def _stored(energy: StoredEnergy) -> Entries:
     """Kinetic energy, energy of springs and of gravity if there are any, and the sum."""
     parts = {part: getattr(energy, part) for part in ("kinetic", "spring", "gravity")}
     shown = {part: (values, PARTS[part]) for part, values in parts.items() if part == "kinetic" or np.any(values)}
@@ -158,15 +125,15 @@ def _losses(energy: Energy) -> dict[str, Array]:
 def _panel(title: str, scene: PlotScene, place: int, entries: Entries) -> Panel:
     rows = scene.rows[place]
     t = scene.sources[place].recording.t[rows]
-    curves = []
-    for label, (values, colour) in entries.items():
-        kept = outline(t, values[rows])
-        curves.append(Curve(t[kept], values[rows][kept], label, label, colour, width=2.2 if label == ALL else 1.3))
+    curves = tuple(
+        curve_over_time(t, values[rows], label, label, colour, width=2.2 if label == ALL else 1.3)
+        for label, (values, colour) in entries.items()
+    )
     return Panel(
         title,
         TIME,
         UP,
-        tuple(curves),
+        curves,
         x_range=scene.span,
         y_range=limits(*(curve.y for curve in curves)),
         colour=INK,

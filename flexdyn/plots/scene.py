@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.comparison.difference import common_rows
-from flexdyn.comparison.motion_sources import HELD, MotionSource, as_sources, unit_in, windowed
+from flexdyn.comparison.motion_sources import MotionSource, as_sources, unit_in, windowed
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.plots.palette import hue, shade
 from flexdyn.plots.panel import Curve, Key, check_times, short
@@ -19,6 +19,7 @@ from flexdyn.plots.thinning import broken, outline, outline_in_plane
 from flexdyn.records import Recording
 from flexdyn.records.meta import as_plain
 from flexdyn.records.table import Table
+from flexdyn.records.units import HELD
 
 MOST_DOTS = 150
 """A measured curve of up to this many samples is drawn as dots."""

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexdyn.comparison.difference import Difference, difference
-from flexdyn.comparison.motion_sources import HELD
 from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK, shade
 from flexdyn.plots.panel import Curve, Key, Panel, limits, short
 from flexdyn.plots.scene import DEFLECTION, PlotScene, SignalTrace
 from flexdyn.plots.thinning import curve_over_time
+from flexdyn.records.units import HELD
 
 TIME = "t [s]"
 RESIDUAL = "residual"

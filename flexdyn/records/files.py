@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -122,23 +123,13 @@ def read_recording(
     fmt = _format_of(path)
     channel_map = map if map is None or isinstance(map, ChannelMap) else read_map(map)
     asked = repairs_of(repair)
-    with placed(file=path):
-        try:
-            if not path.is_file() and not _is_bag_folder(path):
-                problem = "not a regular file" if path.exists() else "no such file"
-                raise InputError(problem, remedy="give the path of a recording")
-            if path.stat().st_size > MOST_FILE:
-                raise InputError(f"the file is larger than {MOST_FILE} bytes", remedy="split the recording")
-            request = Request(progress=progress) if channel_map is None else channel_map.request(progress)
-            table = fmt.read(path, request)
-            table = repaired(table, asked) if channel_map is None else apply_map(table, channel_map, asked)
-            if table.said:
-                table.meta["notes"] = [*table.meta.get("notes", ()), *table.said]
-            made = Recording.from_table(table, path.stem if name is None else name)
-        except OSError as error:
-            raise InputError(f"cannot be read ({error.strerror or error})") from None
-        except MemoryError:
-            raise InputError("does not fit into memory", remedy="split the recording") from None
+    with placed(file=path), _readable(path):
+        request = Request(progress=progress) if channel_map is None else channel_map.request(progress)
+        table = fmt.read(path, request)
+        table = repaired(table, asked) if channel_map is None else apply_map(table, channel_map, asked)
+        if table.said:
+            table.meta["notes"] = [*table.meta.get("notes", ()), *table.said]
+        made = Recording.from_table(table, path.stem if name is None else name)
     question = asked_back(made.channels)
     seen = [told(made.t), f"no channel is a signal of a joint: {question}" if question else ""]
     for text in (*table.said, *filter(None, seen)):
@@ -183,6 +174,22 @@ def write_recording(rec: Recording, path: str | os.PathLike[str]) -> None:
     fmt = _format_of(path)
     with placed(file=path), replacing(path) as fresh:
         fmt.write(rec, fresh)
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[None]:
+    """Check a file before it is read; errors of the disk, and of too little memory, become one line."""
+    try:
+        if not path.is_file() and not _is_bag_folder(path):
+            problem = "not a regular file" if path.exists() else "no such file"
+            raise InputError(problem, remedy="give the path of a recording")
+        if path.stat().st_size > MOST_FILE:
+            raise InputError(f"the file is larger than {MOST_FILE} bytes", remedy="split the recording")
+        yield
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror or error})") from None
+    except MemoryError:
+        raise InputError("does not fit into memory", remedy="split the recording") from None
 
 
 def _is_bag_folder(path: Path) -> bool:

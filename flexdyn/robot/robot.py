@@ -98,19 +98,24 @@ class Robot(Locked, Public):
 
     def _repr_html_(self) -> str:
         """HTML for notebooks: joints and their limits."""
-        rows = (
+        mass = sum(inertia.mass for inertia in self.pin_model.inertias[1:])
+        facts = {"source": self.source or "a pin.Model", "moving mass": f"{mass:.4g} kg"}
+        return card(
+            f"Robot {self.name}", facts, table(("joint", "type", "range", "speed", "effort"), self.limit_rows())
+        )
+
+    def limit_rows(self) -> list[tuple[str, str, str, str, str]]:
+        """Name, type, range, speed and effort of every joint, as texts with units."""
+        return [
             (
                 name,
                 "continuous" if self.continuous[j] else self.kinds[j],
                 f"{self.lower[j]:.4g} to {self.upper[j]:.4g} {self.angle_unit(j)}",
                 f"{self.velocity_limit[j]:.4g} {self.angle_unit(j)}/s",
-                f"{self.effort_limit[j]:.4g} {'N m' if self.angle_unit(j) == 'rad' else 'N'}",
+                f"{self.effort_limit[j]:.4g} {self.torque_unit(j)}",
             )
             for j, name in enumerate(self.joint_names)
-        )
-        mass = sum(inertia.mass for inertia in self.pin_model.inertias[1:])
-        facts = {"source": self.source or "a pin.Model", "moving mass": f"{mass:.4g} kg"}
-        return card(f"Robot {self.name}", facts, table(("joint", "type", "range", "speed", "effort"), rows))
+        ]
 
     @property
     def n(self) -> int:
@@ -136,7 +141,7 @@ class Robot(Locked, Public):
         """
         m = self.tree.m
         if np.array_equal(self.tree.parent, np.arange(m) - 1):
-            return self._last_frame(m - 1)
+            return self.last_frame
         leaves = [j for j in range(m) if j not in self.tree.parent]
         ends = ", ".join(f"'{self._last_frame(j)}'" for j in leaves[:6]) + (", ..." if len(leaves) > 6 else "")
         remedy = f"name the frame, for example one of {ends}"
@@ -320,6 +325,11 @@ class Robot(Locked, Public):
         model.inertias[j + 1] = spatial(float(tree.mass[j]), tree.com[j], tree.inertia[j])
         links = (*self._links[:place], replace(self._links[place], inertial=true), *self._links[place + 1 :])
         return replace(self, source=None, tree=tree, _model=model, _links=links)
+
+    @property
+    def last_frame(self) -> str:
+        """The last link, or other frame, that the last joint carries; `tip` where the arm is not branched."""
+        return self._last_frame(self.tree.m - 1)
 
     def _last_frame(self, joint: int) -> str:
         mounted = [entry for entry in self._model.frames if entry.parentJoint == joint + 1]

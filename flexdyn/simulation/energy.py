@@ -16,6 +16,7 @@ from flexdyn.effects.coupling import CouplingFriction
 from flexdyn.errors import SimulationError
 from flexdyn.io.locked import Locked
 from flexdyn.io.notebook import Public
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import lower_wrenches
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.plant import LinkSide, acting_effects, build_plant
@@ -47,8 +48,28 @@ class EnergyWarning(UserWarning):
     """
 
 
+@dataclass(frozen=True)
+class StoredEnergy(Locked):
+    """Energy that an arm holds [J], each (samples,).
+
+    Attributes:
+        kinetic: of the links and rotors.
+        spring: held by springs of all kinds: transmissions, bristles, hysteresis, parallel springs, counterbalances.
+        gravity: of the links, from the height of the base.
+    """
+
+    kinetic: Array
+    spring: Array
+    gravity: Array
+
+    @property
+    def mechanical(self) -> Array:
+        """The sum of kinetic, spring and gravity energy: constant if nothing drives or brakes."""
+        return self.kinetic + self.spring + self.gravity
+
+
 @dataclass(frozen=True, repr=False)
-class Energy(Locked, Public):
+class Energy(StoredEnergy, Public):
     """Where the energy of a motion is and went, sample by sample [J], each (samples,) unless said.
 
     ``mechanical + magnetic - initial = supplied + external - sum of dissipated + residual``.
@@ -74,9 +95,6 @@ class Energy(Locked, Public):
         True
     """
 
-    kinetic: Array
-    spring: Array
-    gravity: Array
     supplied: Array
     external: Array
     dissipated: Mapping[str, Array]
@@ -89,11 +107,6 @@ class Energy(Locked, Public):
         spent = sum(float(each[-1]) for each in self.dissipated.values())
         given = float(self.supplied[-1].sum())
         return f"<Energy: supplied {given:.4g} J, dissipated {spent:.4g} J, {len(self.kinetic)} samples>"
-
-    @property
-    def mechanical(self) -> Array:
-        """The sum of kinetic, spring and gravity energy: constant if nothing drives or brakes."""
-        return self.kinetic + self.spring + self.gravity
 
     @property
     def residual(self) -> Array:
@@ -158,10 +171,7 @@ def _energy(run: Run, plant: _core.Plant, sums: Array) -> Energy:
     speeds = np.hstack([run.v, run.omega[:, elastic]])
     # The first row is the start, which may not be among the samples.
     states = np.vstack([run.inputs.x0, np.hstack([run.q, run.theta[:, elastic], speeds, run.z])])
-    half = speeds.shape[1]
-    _, gravity = LinkSide(model).energy(states[:, :n], states[:, half : half + n])
-    kinetic, spring = _kinetic(plant, states, states[:, half : 2 * half]), np.empty(len(states))
-    plant.stored_energy(states, spring)
+    stored = stored_energy(model, plant, states)
     magnetic = np.empty(len(states))
     plant.magnetic_energy(states, magnetic)
     dissipated: dict[str, Array] = {}
@@ -172,12 +182,27 @@ def _energy(run: Run, plant: _core.Plant, sums: Array) -> Energy:
         if _has_entry(effect):
             label = _label(effect)
             dissipated[label] = dissipated.get(label, 0.0) + lost
-    parts = [kinetic, spring, gravity, magnetic]
+    parts = [stored.kinetic, stored.spring, stored.gravity, magnetic]
     tolerance = _tolerance(run, parts, sums)
     initial = float(sum(part[0] for part in parts))
     kinetic, spring, gravity, magnetic = (part[1:].copy() for part in parts)
     supplied, external = sums[:, :n].copy(), sums[:, n].copy()
     return Energy(kinetic, spring, gravity, supplied, external, dissipated, initial, tolerance, magnetic)
+
+
+def stored_energy(model: FlexibleJointModel, plant: _core.Plant, states: Array) -> StoredEnergy:
+    """The energy that an arm holds.
+
+    Args:
+        model: of the arm, resolved.
+        plant: of the same.
+        states: [q, theta, v, omega, z] (samples, nx).
+    """
+    n, half = model.n, model.n + int(model.elastic.sum())
+    _, gravity = LinkSide(model).energy(states[:, :n], states[:, half : half + n])
+    spring = np.empty(len(states))
+    plant.stored_energy(states, spring)
+    return StoredEnergy(_kinetic(plant, states, states[:, half : 2 * half]), spring, gravity)
 
 
 def _kinetic(plant: _core.Plant, states: Array, speeds: Array) -> Array:

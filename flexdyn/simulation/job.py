@@ -111,10 +111,8 @@ def prepare(
     duration: float | None,
     solver: Solver | str,
     starts: Mapping[str, Any],
-    rate: float,
-    times: ArrayLike | None,
     external: Any,
-    shared: Shared | None = None,
+    shared: Shared,
 ) -> Job:
     """Prepare a run; the arguments are those of `simulate`.
 
@@ -124,16 +122,13 @@ def prepare(
         duration: [s], or None: the command's.
         solver: settings, a name or ``auto``.
         starts: first q, v, theta, omega as given, by name.
-        rate: of the samples [Hz].
-        times: of the samples [s], or None.
         external: wrenches.
-        shared: shared parts of the batch to which the run belongs, with the same rate and times.
+        shared: the times of the samples, and parts that runs of a batch share.
 
     Raises:
         InputError: an argument that does not fit.
     """
     check_model(model)
-    shared = Shared(rate, times) if shared is None else shared
     drive = shared.drive(model, command, duration)
     span = _duration(duration, drive)
     plant = shared.plant(model)

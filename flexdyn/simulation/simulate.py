@@ -73,7 +73,7 @@ def simulate(
         (1.0, (1001, 2))
     """
     starts = {"q": q0, "v": v0, "theta": theta0, "omega": omega0}
-    job = prepare(model, command, duration, solver, starts, rate, times, external)
+    job = prepare(model, command, duration, solver, starts, external, Shared(rate, times))
     run = job.finish(_core.simulate(job.core, progress))
     # Runs that flexdyn makes itself, such as those of the paper's study, only have a note.
     asked = not str(sys._getframe(1).f_globals.get("__name__", "")).startswith("flexdyn.")
@@ -134,7 +134,7 @@ def simulate_many(
     given = {"model": models, "command": commands, "duration": duration, "solver": solver, "external": external}
     given |= {"q": q0, "v": v0, "theta": theta0, "omega": omega0}
     shared = Shared(rate, times)
-    runs = [_prepared(each, rate, times, shared) for each in _spread(given)]
+    runs = [_prepared(each, shared) for each in _spread(given)]
     jobs = [job for job in runs if isinstance(job, Job)]
     count = threads if threads is not None else len(os.sched_getaffinity(0))
     whole("threads", count, 1, problem="a number of threads is needed")
@@ -158,13 +158,13 @@ def _is_list(value: Any) -> bool:
     return isinstance(value, list) and not all(isinstance(entry, int | float | np.number) for entry in value)
 
 
-def _prepared(each: Mapping[str, Any], rate: float, times: ArrayLike | None, shared: Shared) -> Job | FlexdynError:
+def _prepared(each: Mapping[str, Any], shared: Shared) -> Job | FlexdynError:
     """The job, or the error if it cannot be prepared."""
     starts = {key: each[key] for key in ("q", "v", "theta", "omega")}
     model = each["model"]
     try:
-        command, solver = each["command"], each["solver"]
-        return prepare(model, command, each["duration"], solver, starts, rate, times, each["external"], shared)
+        command, duration, solver, external = (each[key] for key in ("command", "duration", "solver", "external"))
+        return prepare(model, command, duration, solver, starts, external, shared)
     except FlexdynError as error:
         return error
     except Exception as error:  # a user's law that raises an error where auto evaluates it

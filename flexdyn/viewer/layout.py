@@ -63,16 +63,6 @@ def extent(robot: Robot, q: Array, bodies: Sequence[Body]) -> Extent:
     return Extent(low, high)
 
 
-def tip_frame(robot: Robot) -> str:
-    """The frame whose path is drawn: the tip, or for a branched arm the last frame of its last joint."""
-    tree = robot.tree
-    if np.array_equal(tree.parent, np.arange(tree.m) - 1):
-        return robot.tip
-    mounted = [entry for entry in robot.pin_model.frames if entry.parentJoint == tree.m]
-    bodies = [entry for entry in mounted if entry.type == pin.FrameType.BODY]
-    return str((bodies or mounted)[-1].name)
-
-
 def thinned(q: Array, most: int = EXTENT_SAMPLES) -> Array:
     """At most so many rows, the first and the last included."""
     return np.asarray(q[np.unique(np.linspace(0, len(q) - 1, min(len(q), most)).astype(int))])

@@ -12,7 +12,7 @@ from flexdyn.arrays import Array
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot import frame_positions
 from flexdyn.viewer.bodies import bodies_of
-from flexdyn.viewer.layout import Extent, arm_size, extent, tip_frame
+from flexdyn.viewer.layout import Extent, arm_size, extent
 from flexdyn.viewer.motion import Frames, PlayedMotion, checked_factor, frames_of, magnification
 from flexdyn.viewer.page import floats, page
 from flexdyn.viewer.scene import ARM, BLUE, GHOST, SILVER, VIOLET, ArmScene, NodeMove
@@ -154,7 +154,7 @@ def show(
     factors = _factors(model, motion, size, magnify)
     scene = ArmScene(robot, size)
     scene.add_bodies(bodies)
-    frame = tip_frame(robot)
+    frame = robot.last_frame
     tips = [frame_positions(robot, each.q, frame) for each in (frames.arm, frames.ghost) if each is not None]
     place = robot.frame(frame)
     scene.add_tip(place.joint, place.translation)

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from flexdyn.batch import trajectory_views as module
-from flexdyn.batch.summary import ranks, sensitivity
+from flexdyn.batch.summary import sensitivity
 from flexdyn.batch.trajectory_views import HISTOGRAM_BINS, quantiles
 
 Array = NDArray[np.float64]
@@ -46,7 +46,9 @@ def test_no_runs_have_no_quantiles() -> None:
 
 def test_ranks_of_equal_values_are_shared() -> None:
     """Two that are equal share the mean of their places."""
-    np.testing.assert_array_equal(ranks(np.array([3.0, 1.0, 3.0, 2.0])), [2.5, 0.0, 2.5, 1.0])
+    x, y = np.array([3.0, 1.0, 3.0, 2.0]), np.array([1.0, 2.0, 3.0, 4.0])
+    expected = np.corrcoef([2.5, 0.0, 2.5, 1.0], [0.0, 1.0, 2.0, 3.0])[0, 1]
+    assert sensitivity(x, y).rank_correlation == pytest.approx(expected)  # type: ignore[union-attr]
 
 
 def test_rank_correlation_sees_any_rise() -> None:

@@ -256,7 +256,7 @@ def test_the_given_model_is_not_overwritten(flexdyn: Runner, answer: Answer) -> 
 def test_without_the_extra_no_work_is_begun(flexdyn: Runner, answer: Answer, monkeypatch: pytest.MonkeyPatch) -> None:
     """What the report is drawn with is asked for first."""
     given = answer(cases.no_discrepancy())
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    monkeypatch.setattr("flexdyn.errors.find_spec", lambda name: None)
     outcome = flexdyn("diagnose", "scara_two_link", "a.csv", "-o", "out")
     assert (outcome.code, given) == (2, {})
     assert "flexdyn[plot]" in outcome.err

@@ -74,7 +74,7 @@ def _map(folder: Path, data: bytes) -> None:
 def _reader(
     name: str, suffix: str, seeds: Callable[[Path], list[bytes]], share: float, mutate: Mutator = any_bytes
 ) -> Target:
-    apart = name in ("HDF5", "MAT 7.3")
+    apart = name in ("HDF5", "MAT 5", "MAT 7.3")
     return Target(name, suffix, seeds, mutate, partial(_recording, suffix=suffix), share, apart=apart)
 
 
@@ -87,7 +87,7 @@ TARGETS = (
     _reader("NPZ", ".npz", _written(".npz"), 12, any_archive),
     _reader("HDF5", ".h5", corpus.hdf5, 2),
     _reader("Parquet", ".parquet", _written(".parquet"), 10),
-    _reader("MAT 5", ".mat", _written(".mat"), 24),
+    _reader("MAT 5", ".mat", _written(".mat"), 2),
     _reader("MAT 7.3", ".mat", corpus.mat73, 1.2),
     _reader("ROS 1 bag", ".bag", corpus.ros1, 4),
     _reader("MCAP", ".mcap", corpus.mcap, 4),

@@ -26,6 +26,9 @@ CHANNELS = {"a": A, "b": B, "q.elbow": A - B, "Ist A1": 2.0 * A}
         ("+.5e1*(a)", 5.0 * A),
         ("q.elbow+'Ist A1'", 3.0 * A - B),
         ("1e-3 - a*b + 2", 1e-3 - A * B + 2),
+        ("+".join(["a"] * 400), 400 * A),
+        ("007 * a", 7 * A),
+        ("a - " * 40 + "a", -39 * A),
     ],
 )
 def test_values_are_those_of_numpy(text: str, expected: np.ndarray) -> None:
@@ -37,7 +40,8 @@ def test_values_are_those_of_numpy(text: str, expected: np.ndarray) -> None:
     "text",
     [
         "", " ", "a +", "a b", "(a", "a)", "a ** 2", "a // b", "a % b", "a; b", "sin(a)", "a[0]", "__import__('os')",
-        "a = b", "'open", "1 + 2", "2 a", "lambda: a", "a if b else a", "(" * 60 + "a" + ")" * 60, "-" * 60 + "a",
+        "a = b", "'open", "1 + 2", "2 a", "lambda: a", "a if b else a", "(" * 400 + "a" + ")" * 400, "-" * 60 + "a",
+        "-" * 990 + "a", "()", "a()", "(a, b)",
         "a" * 2000,
         "a\\x00", 3, None, ["a"],
     ],

@@ -17,7 +17,6 @@ import umsgpack
 import flexdyn as fd
 from flexdyn.robot import frame_positions
 from flexdyn.viewer import sources
-from flexdyn.viewer.layout import tip_frame
 from flexdyn.viewer.show import show
 from flexdyn.viewer.solids import tube
 from tests.viewer.arms import rigid_run, shapeless, swinging, two_link_run
@@ -103,7 +102,7 @@ def test_every_frame_is_forward_kinematics(arm: str, tmp_path: Path) -> None:
     count = round(page.about["duration"] * page.about["rate"]) + 1
     times = np.linspace(run.t[0], run.t[-1], count)
     q = np.column_stack([np.interp(times, run.t, column) for column in run.q.T])
-    expected = frame_positions(run.model.robot, q, tip_frame(run.model.robot))
+    expected = frame_positions(run.model.robot, q, run.model.robot.last_frame)
     for frame in (0, count // 3, count - 1):
         assert page.place(page.node("/tip"), frame)[:3, 3] == pytest.approx(expected[frame], abs=1e-6)
     assert page.place(page.node("/tip"))[:3, 3] == pytest.approx(expected[0], abs=1e-6)

@@ -20,7 +20,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, check_installed
+from flexdyn.errors import InputError
 from flexdyn.records.apart.messages import Lost, received, received_error, received_table
 from flexdyn.records.apart.server import SIGNALLED, WAITING, bytes_for, seconds_for
 from flexdyn.records.request import Request
@@ -127,15 +127,13 @@ def read_apart(module: str, path: Path, request: Request) -> Table:
     Raises:
         InputError: the error that the reader reports, or the file crashed the process, took too long or too much
             memory.
-        MissingExtra: h5py is not installed.
     """
-    check_installed("h5py", "hdf5")
     waiting = _idle.setdefault(module, [])
     on_disk = os.path.getsize(path)
     try:
         server = _alive(waiting) or _Server(module)
     except (OSError, Lost):
-        remedy = f"HDF5 is read in a process of its own, by {sys.executable}"
+        remedy = f"such files are read in a process of their own, by {sys.executable}"
         raise InputError("no process could be started to read the file", remedy=remedy) from None
     try:
         return server.table(path, request, on_disk)

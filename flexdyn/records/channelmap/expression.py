@@ -1,18 +1,16 @@
 """Channels computed from others: sums, differences, products and quotients of channels and numbers.
 
-::
-
-    expression = term (("+" | "-") term)*
-    term       = factor (("*" | "/") factor)*
-    factor     = ("+" | "-") factor | number | name | "(" expression ")"
-
-A name is that of a channel, such as ``alpha`` or ``q.elbow``; a name with other letters needs single quotes.
+A name is that of a channel, such as ``alpha`` or ``q.elbow``; a name with other letters needs single quotes. Python's
+own parser reads the rest: names and numbers are replaced by identifiers first, and only the operators of `_OPERATIONS`
+are taken. Nothing is executed.
 """
 
 from __future__ import annotations
 
+import ast
+import operator
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -28,8 +26,14 @@ DEEPEST = 50
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[^\W\d][\w.]*)|'(?P<quoted>[^']+)'|(?P<mark>[-+*/()]))"
 )
-_END = ("end", "")
-_OPERATIONS = {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide}
+_OPERATIONS: Mapping[type[ast.AST], Callable[..., Any]] = {
+    ast.Add: np.add,
+    ast.Sub: np.subtract,
+    ast.Mult: np.multiply,
+    ast.Div: np.divide,
+    ast.UAdd: operator.pos,
+    ast.USub: operator.neg,
+}
 
 
 @dataclass(frozen=True)
@@ -43,7 +47,8 @@ class Expression:
 
     text: str
     names: tuple[str, ...] = field(compare=False)
-    _tree: Any = field(compare=False, repr=False)
+    _tree: ast.expr = field(compare=False, repr=False)
+    _leaves: Mapping[str, str | float] = field(compare=False, repr=False)
 
     def value(self, channels: Mapping[str, Array]) -> Array:
         """Its values, an array of the length of the channels.
@@ -51,7 +56,18 @@ class Expression:
         Args:
             channels: by name; they contain all of `names`.
         """
-        return np.asarray(_value(self._tree, channels), dtype=float)
+        return np.asarray(self._value(self._tree, channels), dtype=float)
+
+    def _value(self, node: ast.expr, channels: Mapping[str, Array]) -> Any:
+        match node:
+            case ast.BinOp(left, op, right):
+                return _OPERATIONS[type(op)](self._value(left, channels), self._value(right, channels))
+            case ast.UnaryOp(op, operand):
+                return _OPERATIONS[type(op)](self._value(operand, channels))
+            case ast.Name(name):
+                leaf = self._leaves[name]
+                return channels[leaf] if isinstance(leaf, str) else leaf
+        raise TypeError(node)
 
 
 def expression_of(text: Any, key: str) -> Expression:
@@ -66,14 +82,26 @@ def expression_of(text: Any, key: str) -> Expression:
     """
     if not isinstance(text, str) or len(text) > LONGEST_EXPRESSION:
         raise InputError("an expression is needed", key=key, value=text, remedy="such as: alpha + beta")
-    reader = _Reader(text, key)
-    tree = reader.sum(0)
-    if reader.token != _END:
-        raise reader.refused(f"'{reader.token[1]}' does not fit there")
-    names = tuple(dict.fromkeys(reader.names))
+    parts, leaves, place = [], {}, 0
+    while place < len(text.rstrip()):
+        found = _TOKEN.match(text, place)
+        if found is None:
+            raise _refused(f"'{text[place:].lstrip()[:1]}' is not known", key, text)
+        place, part = found.end(), str(found[str(found.lastgroup)])
+        if found.lastgroup != "mark":
+            leaves[f"x{place}"] = float(part) if found.lastgroup == "number" else part
+            part = f"x{place}"
+        parts.append(part)
+    try:
+        tree = ast.parse(" ".join(parts), mode="eval").body
+    except (SyntaxError, MemoryError, RecursionError):
+        raise _refused("it is cut short, or a part does not fit there", key, text) from None
+    if problem := _problem(tree, 0):
+        raise _refused(problem, key, text)
+    names = tuple(dict.fromkeys(leaf for leaf in leaves.values() if isinstance(leaf, str)))
     if not names:
         raise InputError("no channel is named", key=key, value=text, remedy="such as: alpha + beta")
-    return Expression(text, names, tree)
+    return Expression(text, names, tree, leaves)
 
 
 def check_names(expression: Expression, known: Collection[str], key: str) -> None:
@@ -86,71 +114,18 @@ def check_names(expression: Expression, known: Collection[str], key: str) -> Non
         check_known(name, known, "no such channel", key=key, value=name, channel=name)
 
 
-class _Reader:
-    """Recursive descent over the tokens of a text."""
-
-    def __init__(self, text: str, key: str) -> None:
-        self._text, self._key = text, key
-        self._tokens = self._all()
-        self.names: list[str] = []
-        self.token = next(self._tokens)
-
-    def refused(self, problem: str) -> InputError:
-        remedy = "names, numbers, + - * / and brackets are known; quote a name of other letters: 'Ist A1'"
-        return InputError(problem, key=self._key, value=self._text, remedy=remedy)
-
-    def _all(self) -> Iterator[tuple[str, str]]:
-        place, text = 0, self._text.rstrip()
-        while place < len(text):
-            found = _TOKEN.match(text, place)
-            if found is None:
-                raise self.refused(f"'{text[place:].lstrip()[:1]}' is not known")
-            place, kind = found.end(), str(found.lastgroup)
-            yield ("name" if kind == "quoted" else kind, found[kind])
-        yield _END
-
-    def _take(self) -> str:
-        text, self.token = self.token[1], next(self._tokens, _END)
-        return text
-
-    def sum(self, depth: int) -> Any:
-        return self._chain("+-", self._product, depth)
-
-    def _product(self, depth: int) -> Any:
-        return self._chain("*/", self._factor, depth)
-
-    def _chain(self, marks: str, part: Any, depth: int) -> Any:
-        left = part(depth)
-        while self.token[0] == "mark" and self.token[1] in marks:
-            left = (self._take(), left, part(depth))
-        return left
-
-    def _factor(self, depth: int) -> Any:
-        if depth > DEEPEST:
-            raise self.refused("brackets nest too deep")
-        kind, text = self.token
-        if kind == "number":
-            return float(self._take())
-        if kind == "name":
-            self.names.append(text)
-            return self._take()
-        if kind == "mark" and text in "+-":
-            sign = self._take()
-            return (sign, 0.0, self._factor(depth + 1))
-        if text == "(":
-            self._take()
-            inner = self.sum(depth + 1)
-            if self.token[1] != ")":
-                raise self.refused("a bracket is not closed")
-            self._take()
-            return inner
-        raise self.refused("it ends too early" if kind == "end" else f"'{text}' does not fit there")
+def _problem(node: ast.expr, depth: int) -> str:
+    """What is not allowed in a part of the tree; sums and products of many terms are deep on the left only."""
+    if depth > DEEPEST:
+        return "brackets nest too deep"
+    match node:
+        case ast.BinOp(left, op, right) if type(op) in _OPERATIONS:
+            return _problem(left, depth) or _problem(right, depth + 1)
+        case ast.UnaryOp(op, operand) if type(op) in _OPERATIONS:
+            return _problem(operand, depth + 1)
+    return "" if isinstance(node, ast.Name) else "a part does not fit there"
 
 
-def _value(tree: Any, channels: Mapping[str, Array]) -> Any:
-    if isinstance(tree, float):
-        return tree
-    if isinstance(tree, str):
-        return channels[tree]
-    mark, left, right = tree
-    return _OPERATIONS[mark](_value(left, channels), _value(right, channels))
+def _refused(problem: str, key: str, text: str) -> InputError:
+    remedy = "names, numbers, + - * / and brackets are known; quote a name of other letters: 'Ist A1'"
+    return InputError(problem, key=key, value=text, remedy=remedy)

@@ -37,7 +37,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.checks import check_known
-from flexdyn.errors import InputError, placed
+from flexdyn.errors import InputError, placed, retold
 from flexdyn.io.yaml import check_format, check_keys, read_yaml
 from flexdyn.records.channelmap.convert import conversions_of, units_of
 from flexdyn.records.channelmap.couplings import couplings_of
@@ -161,10 +161,8 @@ def _prescribed(joints: Any, channels: tuple[Channel, ...], *, keep: bool) -> tu
 
 
 def _check_channel_name(name: Any, where: str = "channels") -> None:
-    try:
+    with retold(key=where, value=name):
         check_name(name)
-    except InputError as error:
-        raise InputError(error.problem, key=where, value=name, remedy=error.remedy) from None
     signal, dot, _ = name.partition(".")
     if dot and signal not in SIGNALS and signal.lower() in SIGNALS:
         remedy = f"did you mean '{signal.lower()}'?"

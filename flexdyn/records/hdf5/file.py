@@ -15,7 +15,7 @@ from urllib.parse import quote
 
 import numpy as np
 
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, check_installed
 from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.array_columns import parts_of
 from flexdyn.records.bounds import check_count, check_size
@@ -51,6 +51,7 @@ def read(path: Path, request: Request) -> Table:
         InputError: as `read_here`; the file crashes HDF5, or takes too long or too much memory.
         MissingExtra: h5py is not installed.
     """
+    check_installed("h5py", "hdf5")
     return read_apart(__name__, path, request)
 
 

@@ -24,6 +24,9 @@ from flexdyn.records.table import Rows, Table, as_floats, check_name
 KEY = "flexdyn"
 """Text variable with the place of each channel, in order, and the meta data."""
 
+MOST_STRUCTS = 16
+"""Structs that may nest in each other."""
+
 MOST_SHOWN = 12
 """Largest number of variables that an error lists."""
 
@@ -64,9 +67,14 @@ class LeafColumns:
         self._text = ""
         self._shapes: dict[str, tuple[int, ...]] = {}
 
+    def variables(self) -> list[str] | None:
+        """Names of the requested variables and of those with a requested field; None: all."""
+        return None if self._asked is None else [path.split(".")[0] for path in self._asked]
+
     def wants(self, variable: str) -> bool:
         """Whether a variable is requested or contains a requested one; names of others are remembered."""
-        if self._asked is None or any(path.split(".")[0] == variable for path in self._asked):
+        variables = self.variables()
+        if variables is None or variable in variables:
             return True
         self._seen.append(variable)
         return False

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.records.matlab import v5, v73
-from flexdyn.records.matlab.columns import KEY, LeafColumns
+from flexdyn.records.matlab.columns import KEY
 from flexdyn.records.meta import as_plain
 from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
-from flexdyn.records.table import Table, damage_named
+from flexdyn.records.table import Table
 from flexdyn.records.units import SIGNALS, split_name
 
 LARGEST_V5 = 2**31 - 2**20
@@ -67,10 +67,7 @@ def read(path: Path, request: Request) -> Table:
         head = stream.read(1024)
     if _HDF5 in (head[:8], head[512:520]):
         return v73.read(path, request)
-    columns = LeafColumns(request)
-    with damage_named("not a MAT-file, or truncated"):
-        v5.read(path, request, columns)
-        return columns.table()
+    return v5.read(path, request)
 
 
 def _places(names: list[str]) -> dict[str, str]:

@@ -1,189 +1,99 @@
-"""MATLAB's MAT-file version 5 (``save -v6`` and ``-v7``), read by its tags.
+"""MATLAB's MAT-file version 5 (``save -v6`` and ``-v7``), read by SciPy in another process.
 
-SciPy's reader recurses in C as deep as the file says, so that a small hostile file can crash it, and reads structs as a
-whole. This reader holds one variable at a time, limits the unpacked size, and skips variables that are not requested.
+SciPy recurses in C as deep as a file says and takes types from it without a check, so that a small hostile file can
+crash it: see `flexdyn.records.apart`.
 """
 
 from __future__ import annotations
 
+import contextlib
+import math
 import os
-import struct
-import zlib
+import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from flexdyn.errors import InputError
+from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.bounds import check_size
-from flexdyn.records.matlab.columns import Leaf, LeafColumns
-from flexdyn.records.matlab.v5_elements import TEXTS, Cursor, cut
+from flexdyn.records.matlab.columns import MOST_STRUCTS, Leaf, LeafColumns
 from flexdyn.records.request import Request
+from flexdyn.records.table import Table, damage_named
 
-_MATRIX, _COMPRESSED = 14, 15
-_CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE, _FUNCTION, _OPAQUE = 1, 2, 3, 4, 5, 16, 17
-_KINDS = {
-    _CELL: "a cell array",
-    _OBJECT: "an object",
-    _SPARSE: "a sparse array",
-    _FUNCTION: "a function handle",
-    _OPAQUE: "an object",
-}
-_NUMERIC = range(6, 16)
-_COMPLEX = 0x0800
-_HEAD = 2**12
-_DEEPEST = 16
-_MOST_DIMENSIONS = 32
-_MAT_HEADER = 128
-_VERSION = 0x0100
+_VERSION = 1
+_ELEMENT = 8
+"""Bytes of a number, and of the place of a struct in an array of structs."""
 
 
-def read(path: Path, request: Request, columns: LeafColumns) -> None:
-    """Pass the variables that `columns` needs to it, one after the other.
+def library() -> Any:
+    """The module scipy.io."""
+    import scipy.io
+
+    return scipy.io
+
+
+def read(path: Path, request: Request) -> Table:
+    """Call `read_here` in another process.
 
     Raises:
-        InputError: no MAT-file of version 5, truncated, or impossible sizes.
+        InputError: as `read_here`; the file crashes SciPy, or takes too long or too much memory.
     """
-    size = os.path.getsize(path)
-    unpacked = 0
-    with open(path, "rb") as stream:
-        order = _byte_order(stream.read(_MAT_HEADER))
-        while stream.tell() < size:
-            kind, start, stop = Cursor(stream.read(8), order).tag()
-            begin = stream.tell()
-            end = begin + stop - start
-            if end > size:
-                raise cut()
-            variable = _Variable(stream, kind == _COMPRESSED, begin, end, order)
-            name = variable.name() if kind in (_MATRIX, _COMPRESSED) else ""
-            if name and columns.wants(name):
-                unpacked += variable.length()
-                check_size(unpacked, size)
-                columns.take(variable.leaves())
-            stream.seek(end)
-            request.report(end / size)
+    return read_apart(__name__, path, request)
 
 
-def _byte_order(header: bytes) -> str:
-    """The byte order ``<`` or ``>``; refuses a file that is no MAT-file of version 5."""
-    order = {b"IM": "<", b"MI": ">"}.get(header[126:128])
-    if order is None or struct.unpack(f"{order}H", header[124:126])[0] != _VERSION:
-        old = 0 in header[:4] and len(header) >= 4
-        remedy = "save it again in MATLAB with save(..., '-v7')" if old else "the file is damaged or of another format"
-        raise InputError("not a MAT-file of version 5 or 7.3", remedy=remedy)
-    return order
+def read_here(path: Path, request: Request) -> Table:
+    """Read the requested columns; variables that have none of them are skipped.
+
+    Raises:
+        InputError: no MAT-file of version 5, truncated, a variable that is there twice, or too many numbers.
+    """
+    scipy_io = library()
+    columns = LeafColumns(request)
+    with damage_named("not a MAT-file, or truncated"):
+        major, _ = scipy_io.matlab.matfile_version(path, appendmat=False)
+        if major != _VERSION:
+            remedy = "save it again in MATLAB with save(..., '-v7')"
+            raise InputError("not a MAT-file of version 5 or 7.3", remedy=remedy)
+        with contextlib.suppress(TypeError):  # whosmat stops at objects (strings, tables): the process bounds those
+            shapes = [shape for name, shape, _ in scipy_io.whosmat(path, appendmat=False) if columns.wants(name)]
+            check_size(_ELEMENT * sum(math.prod(map(abs, shape)) for shape in shapes), os.path.getsize(path))
+        with warnings.catch_warnings():
+            warnings.filterwarnings("error", r'Duplicate variable name "(?!None")')  # objects are called None
+            values = scipy_io.loadmat(path, appendmat=False, variable_names=columns.variables())
+        names = [name for name in values if not name.startswith("__")]  # the others are SciPy's own
+        for place, name in enumerate(names):
+            columns.take(_leaves(scipy_io.matlab, name, values.pop(name), 0))
+            request.report((place + 1) / len(names))
+        return columns.table()
 
 
-@dataclass(frozen=True)
-class _Variable:
-    """One variable of a file, from `begin` to `end`."""
-
-    stream: IO[bytes]
-    compressed: bool
-    begin: int
-    end: int
-    order: str
-
-    def name(self) -> str:
-        """Its name; empty for MATLAB's internal variables."""
-        skip = 8 if self.compressed else 0
-        return _head(Cursor(self._data(skip + min(_HEAD, self.length())), self.order, skip)).name
-
-    def length(self) -> int:
-        """Its size in memory according to the file [bytes]."""
-        if not self.compressed:
-            return self.end - self.begin
-        kind, start, stop = Cursor(self._data(8), self.order).tag()
-        if kind != _MATRIX:
-            raise InputError("a variable is no matrix", remedy="the file is damaged")
-        return stop - start
-
-    def leaves(self) -> Iterator[Leaf]:
-        """Its content."""
-        data = self._data(None)
-        skip = 8 if self.compressed else 0
-        if len(data) != skip + self.length():
-            raise cut()
-        return _leaves(Cursor(data, self.order, skip), None, 0)
-
-    def _data(self, most: int | None) -> bytes:
-        """Its first bytes, or all of them, unpacked, with checked checksum."""
-        self.stream.seek(self.begin)
-        there = self.end - self.begin
-        if not self.compressed:
-            return self.stream.read(there if most is None else min(most, there))
-        unpacking = zlib.decompressobj()
-        if most is not None:
-            return unpacking.decompress(self.stream.read(min(there, most + _HEAD)), most)
-        packed, length = self.stream.read(there), self.length()
-        data = unpacking.decompress(packed, 8 + length)
-        if unpacking.decompress(unpacking.unconsumed_tail, 1) or not unpacking.eof:
-            raise cut()
-        return data
-
-
-@dataclass(frozen=True)
-class _Head:
-    """The head of a matrix: class, whether it has an imaginary part, shape, name."""
-
-    kind: int
-    is_complex: bool
-    shape: tuple[int, ...]
-    name: str
-
-
-def _head(cursor: Cursor) -> _Head:
-    if cursor.at == cursor.end:  # the form of an empty field
-        return _Head(_CELL, False, (0, 0), "")
-    flags = cursor.numbers()
-    if flags.size < 1:
-        raise cut()
-    kind = int(flags[0]) & 0xFF
-    shape = () if kind == _OPAQUE else tuple(int(extent) for extent in cursor.numbers())
-    if min(shape, default=0) < 0 or len(shape) > _MOST_DIMENSIONS:
-        raise InputError("an array has an impossible shape", value=shape, remedy="the file is damaged")
-    return _Head(kind, bool(int(flags[0]) & _COMPLEX), shape, cursor.text())
-
-
-def _leaves(cursor: Cursor, name: str | None, depth: int) -> Iterator[Leaf]:
-    """The matrix at the cursor, or the content of its fields."""
-    head = _head(cursor)
-    name = head.name if name is None else name
-    if depth > _DEEPEST:
-        raise InputError(f"structs nest deeper than {_DEEPEST}", value=name, remedy="save plainer variables")
-    if head.kind == _STRUCT and np.prod(head.shape, dtype=object) == 1:
-        for field in _fields(cursor):
-            kind, start, stop = cursor.element()
-            if kind != _MATRIX:
-                raise InputError("a field is no matrix", value=f"{name}.{field}", remedy="the file is damaged")
-            yield from _leaves(Cursor(cursor.data, cursor.order, start, stop), f"{name}.{field}", depth + 1)
-    elif head.kind == _CHAR:
-        yield Leaf(name, "text", head.shape, cursor.text)
-    elif head.kind in _NUMERIC and not head.is_complex:
-        yield Leaf(name, "numbers", head.shape, lambda: _array(cursor, head, name))
-    else:
-        other = "complex numbers" if head.is_complex else _KINDS.get(head.kind, "a struct array")
+def _leaves(matlab: Any, name: str, value: Any, depth: int) -> Iterator[Leaf]:
+    """A variable as SciPy gives it, or the content of its fields."""
+    if depth > MOST_STRUCTS:
+        raise InputError(f"structs nest deeper than {MOST_STRUCTS}", value=name, remedy="save plainer variables")
+    other = _other(matlab, value)
+    if other == "a struct array" and value.size == 1:
+        for field in value.dtype.names:
+            yield from _leaves(matlab, f"{name}.{field}", value.flat[0][field], depth + 1)
+    elif other:
         yield Leaf(name, other, (), str)
+    elif value.dtype.kind == "U":
+        yield Leaf(name, "text", value.shape, lambda: "".join(value.flat))
+    else:
+        yield Leaf(name, "numbers", value.shape, lambda: value)
 
 
-def _fields(cursor: Cursor) -> list[str]:
-    """Names of a struct's fields."""
-    width = cursor.numbers()
-    kind, start, stop = cursor.element()
-    size = int(width[0]) if width.size == 1 else 0
-    if size < 1 or kind not in TEXTS or (stop - start) % size:
-        raise InputError("the names of a struct's fields cannot be read", remedy="the file is damaged")
-    raw = [cursor.data[at : at + size] for at in range(start, stop, size)]
-    return [one.split(b"\0")[0].decode("latin-1") for one in raw]
-
-
-def _array(cursor: Cursor, head: _Head, name: str) -> npt.NDArray[Any]:
-    numbers = cursor.numbers()
-    expected = np.prod(head.shape, dtype=object)
-    if numbers.size != expected:
-        problem = f"{numbers.size} numbers where the shape {head.shape} needs {expected}"
-        raise InputError(problem, remedy="the file is damaged", channel=name)
-    return numbers.reshape(head.shape, order="F")
+def _other(matlab: Any, value: Any) -> str:
+    """What it is, if it is neither numbers nor text."""
+    if not isinstance(value, np.ndarray):
+        return "a sparse array" if hasattr(value, "tocsc") else "an object"
+    if isinstance(value, matlab.MatlabFunction):
+        return "a function handle"
+    if isinstance(value, matlab.MatlabObject | matlab.MatlabOpaque):
+        return "an object"
+    if value.dtype.names:
+        return "a struct array"
+    return {"O": "a cell array", "c": "complex numbers"}.get(value.dtype.kind, "")

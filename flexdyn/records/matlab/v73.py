@@ -13,17 +13,16 @@ from typing import Any
 import numpy as np
 
 from flexdyn.checks import Array
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, check_installed
 from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.bounds import MOST_COLUMNS, check_size
 from flexdyn.records.hdf5.file import attribute, check_storage, member
 from flexdyn.records.hdf5.library import library, new_file
-from flexdyn.records.matlab.columns import Leaf, LeafColumns
+from flexdyn.records.matlab.columns import MOST_STRUCTS, Leaf, LeafColumns
 from flexdyn.records.request import Request
 from flexdyn.records.table import Table, damage_named
 
 _BLOCK = 512
-_DEEPEST = 16
 _LONGEST_TEXT = 2**24
 
 
@@ -64,6 +63,7 @@ def read(path: Path, request: Request) -> Table:
         InputError: as `read_here`; the file crashes HDF5, or takes too long or too much memory.
         MissingExtra: h5py is not installed.
     """
+    check_installed("h5py", "hdf5")
     return read_apart(__name__, path, request)
 
 
@@ -96,8 +96,8 @@ class _Reader:
     def leaves(self, group: Any, link: str, name: str, depth: int) -> Iterator[Leaf]:
         """The leaves in a member of a group."""
         self._met += 1
-        if depth > _DEEPEST or self._met > MOST_COLUMNS:
-            problem = f"structs nest deeper than {_DEEPEST} or have more than {MOST_COLUMNS} fields"
+        if depth > MOST_STRUCTS or self._met > MOST_COLUMNS:
+            problem = f"structs nest deeper than {MOST_STRUCTS} or have more than {MOST_COLUMNS} fields"
             raise InputError(problem, value=name, remedy="save plainer variables")
         node = member(self._h5py, group, link)
         if isinstance(node, self._h5py.Group):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexdyn.checks import Array
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, retold
 from flexdyn.io.locked import Locked
 from flexdyn.records.signals.cut import made
 from flexdyn.records.signals.decimate import uniform_rate
@@ -137,10 +137,8 @@ def smoothed(rec: Recording, smoother: Smoother) -> Recording:
 
 def noise_of(rec: Recording, channel: str) -> Noise:
     """The noise of one channel, estimated from its samples; a commanded torque with repeated values is exact."""
-    try:
+    with retold(key=channel, channel=channel):
         return estimate_noise(rec.t, rec[channel], unit=rec.unit(channel), held=is_held(channel))
-    except InputError as error:
-        raise InputError(error.problem, **{**error.data, "key": channel, "channel": channel}) from None
 
 
 def _check_rate(smoother: Smoother, rate: float) -> None:

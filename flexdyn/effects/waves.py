@@ -1,0 +1,38 @@
+"""The base of effects that are waves over a position."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from flexdyn.effects.base import Effect, parameter
+from flexdyn.effects.extent import MotionExtent
+
+POSITION_STEP = 1e-6
+"""Amplitude of a wave in a position at which a diagnosis computes what it does [rad or m]."""
+
+
+class WaveEffect(Effect, abstract=True):
+    """``amplitude sin(harmonic position + phase)``, linear in its sine and cosine parts where the harmonic is given."""
+
+    neutral = {"amplitude": 0.0}
+    periodic = True
+    linear_bounds: ClassVar[tuple[float, ...]] = (-math.inf, -math.inf)
+    axes = ("harmonic",)
+
+    amplitude: float = parameter("rad")
+    harmonic: float = parameter("1")
+    phase: float = parameter("rad")
+
+    @classmethod
+    def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
+        """From its sine and cosine parts."""
+        return {"amplitude": float(np.hypot(x[0], x[1])), "harmonic": point[0], "phase": math.atan2(x[1], x[0])}
+
+    @classmethod
+    def small(cls, extent: MotionExtent) -> float:
+        """See the base class."""
+        return POSITION_STEP
