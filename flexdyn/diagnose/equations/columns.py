@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import true_channel
 from flexdyn.diagnose.equations.compliance import of_compliance
@@ -24,7 +24,6 @@ from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 TOLD = 1e-3
 """Share of the largest torque that an effect must make for a simulation to tell it well [1]."""
 ENLARGEMENTS, LARGEST_ENLARGEMENT = 8, 1e4

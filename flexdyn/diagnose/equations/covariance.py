@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.equations.equations import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION, Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 
-Array = NDArray[np.float64]
 Add = Callable[[tuple[str, int], int, int, float | Array], None]
 Terms = dict[int, float | Array]
 """A coefficient by equation: one number, or one for each time (times,)."""
@@ -43,7 +43,7 @@ class Whitener:
     """
 
     factor: Array
-    mask: NDArray[np.bool_]
+    mask: Flags
 
     def __call__(self, rows: Array) -> Array:
         """White rows of unit variance (rows, ...); zero where masked."""
@@ -57,7 +57,7 @@ class Whitener:
         _core.whiten_apart(self.factor, self.mask, np.ascontiguousarray(raw), white)
 
 
-def whitener(equations: Equations, noise: SampleNoise, mask: NDArray[np.bool_], extra: Array | None = None) -> Whitener:
+def whitener(equations: Equations, noise: SampleNoise, mask: Flags, extra: Array | None = None) -> Whitener:
     """The whitening of the equations' rows.
 
     Noise passes the same filters as the motion; a residual is ``sum_c sum_o C_co(t) d^o/dt^o n_c``, its covariance

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
@@ -25,7 +25,6 @@ from flexdyn.effects.motor import MotorTorque
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 MOTOR, LINK, TOTAL, TRANSMISSION, SENSOR = "motor", "link", "total", "transmission", "sensor"
 
 
@@ -148,12 +147,12 @@ class Equations:
         return {}
 
     @lazy
-    def made_up(self) -> NDArray[np.bool_]:
+    def made_up(self) -> Flags:
         """Elastic joints with one of their two positions unmeasured, and made up from what was recorded (n,)."""
         return np.asarray(self.true.elastic & ~self.data[0].both & ~self.replayed)
 
     @lazy
-    def replayed(self) -> NDArray[np.bool_]:
+    def replayed(self) -> Flags:
         """Joints whose motors are moved as recorded, and whose links are simulated behind them (n,)."""
         return hidden_links(self.true, self.data[0])
 

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.equations.equations import LINK, SENSOR, TRANSMISSION, Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.regime import Quantity, regime
 from flexdyn.diagnose.report.measures import ResidualPlace
 from flexdyn.diagnose.report.trace import ResidualTrace
 
-Array = NDArray[np.float64]
 POWER_BLOCK = 0.025
 """Length of the blocks whose power is compared [s]."""
 CHANCE_ROOM, NOISE_LEVEL_ERROR = 5.0, 0.05
@@ -29,7 +28,7 @@ SIDES = {
 }
 
 
-def localise(equations: Equations, white: Array, mask: NDArray[np.bool_]) -> tuple[ResidualPlace, ...]:
+def localise(equations: Equations, white: Array, mask: Flags) -> tuple[ResidualPlace, ...]:
     """Share of the gap and regime of every equation, the largest share first.
 
     Normalised residuals are used: with a stiff spring, the noise of the encoders is large in both equations of a
@@ -62,7 +61,7 @@ def localise(equations: Equations, white: Array, mask: NDArray[np.bool_]) -> tup
     return tuple(found)
 
 
-def _regime(equations: Equations, place: int, power: Array, seen: NDArray[np.bool_]) -> str:
+def _regime(equations: Equations, place: int, power: Array, seen: Flags) -> str:
     """The regime of one equation: rows are combined to blocks, without masked rows."""
     j, kind = equations.kinds[place]
     blocks: list[Array] = []
@@ -125,7 +124,7 @@ def _travelled(x: Array, u: Array) -> Array:
     return np.asarray(np.abs(x - x[last]))
 
 
-def traces(before: Equations, after: Equations, mask: NDArray[np.bool_]) -> tuple[ResidualTrace, ...]:
+def traces(before: Equations, after: Equations, mask: Flags) -> tuple[ResidualTrace, ...]:
     """Residual torques of every equation over time, velocity and position, before and after.
 
     Args:

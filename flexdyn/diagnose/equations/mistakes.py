@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import corrected
 from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
@@ -18,7 +18,6 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.signals.kernels import GaussianSmoother
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 SMOOTHING = 0.012
 """Standard deviation of the filter [s]: wide enough for the acceleration from a coarse encoder."""
 INSTANT_SPACING = 0.006
@@ -96,7 +95,7 @@ class Match:
     gain: Array
     share: Array
     plain: Array
-    says: NDArray[np.bool_]
+    says: Flags
 
 
 def match(model: FlexibleJointModel, links: LinkSide, data: Measured, *, springs: bool = False) -> Match:
@@ -181,7 +180,7 @@ def _thinned(signals: Smoothed) -> Smoothed:
     return replace(signals, **columns, dt=signals.dt * every)
 
 
-def far(gain: Array | float) -> NDArray[np.bool_]:
+def far(gain: Array | float) -> Flags:
     """Whether a gain is larger or smaller than missing effects and wrong masses can explain."""
     return np.asarray((np.abs(gain) > FAR) | (np.abs(gain) < 1.0 / FAR))
 
@@ -191,7 +190,7 @@ def needed_share(gain: Array | float) -> Array:
     return np.where(far(gain), COURSE, np.where(np.asarray(gain) < 0.0, WRONG_SIGN_SHARE, EXPLAINED_SHARE))
 
 
-def fits(mistake: Mistake, undone: Match) -> NDArray[np.bool_]:
+def fits(mistake: Mistake, undone: Match) -> Flags:
     """Whether every torque has the size that the model needs after a mistake is corrected (n,)."""
     within = UNIT_GAIN_FACTOR if mistake.of_torques or mistake.of_units else CHANNEL_GAIN_FACTOR
     return np.asarray((undone.gain > 1.0 / within) & (undone.gain < within))

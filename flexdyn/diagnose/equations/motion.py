@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.made_up import made_up
 from flexdyn.diagnose.equations.rest import Rests
@@ -18,7 +19,6 @@ from flexdyn.records.signals.kernels import GaussianSmoother
 from flexdyn.simulation.plant import LinkSide
 from flexdyn.simulation.prescribed import links_behind
 
-Array = NDArray[np.float64]
 Places = NDArray[np.intp] | slice
 DYNAMICS_STEP = 1e-5
 """Step of the differences of h [rad and rad/s, or m and m/s]."""
@@ -54,7 +54,7 @@ class Smoothed:
     tau_s: Array
     data: Measured
     lost: int
-    resting: NDArray[np.bool_]
+    resting: Flags
 
     @property
     def delta(self) -> Array:
@@ -225,7 +225,7 @@ def replayed(model: FlexibleJointModel, q: Array, theta: Array, data: Measured, 
     return found
 
 
-def hidden_links(model: FlexibleJointModel, data: Measured) -> NDArray[np.bool_]:
+def hidden_links(model: FlexibleJointModel, data: Measured) -> Flags:
     """Elastic joints whose motors are moved as recorded and whose links nobody measures (n,)."""
     return np.asarray(model.elastic & data.forced & data.has_theta & ~data.has_q)
 

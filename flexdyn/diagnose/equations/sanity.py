@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.mistakes import (
@@ -29,7 +29,6 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import file_numbers
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 LEAST_MOVING_TIME = 1.5
 """Smallest time of motion in all recordings of the fit together [s]: three windows of 0.5 s."""
 SHORTEST_RECORDING = 0.5
@@ -255,7 +254,7 @@ def _beyond_springs(model: FlexibleJointModel, links: LinkSide, data: Measured, 
     return all(undone.says[j] and undone.share[j] > sprung.plain[j] + BETTER_BY_SHARE for j in mistake.joints)
 
 
-def _merit(seen: Match, undone: Match, mistake: Mistake, poor: NDArray[np.bool_]) -> float | None:
+def _merit(seen: Match, undone: Match, mistake: Mistake, poor: Flags) -> float | None:
     """Mean explained share after correcting a mistake, minus the penalty for the size; None if it is too small."""
     known = seen.says | undone.says
     now = np.where(fits(mistake, undone), undone.share, 0.0)

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.motion import SmoothedMotion, hidden_links
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import (
@@ -20,8 +20,6 @@ from flexdyn.effects import (
 )
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot.axes import joint_row
-
-Array = NDArray[np.float64]
 
 
 def of_joint(effects: Iterable[Effect], joint: str) -> list[JointEffect]:
