@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
-from flexdyn.diagnose.equations.equations import LINK, SENSOR, TRANSMISSION, Equations
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.layout import LINK, SENSOR, TRANSMISSION
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.regime import Quantity, regime
 from flexdyn.diagnose.report.measures import ResidualPlace

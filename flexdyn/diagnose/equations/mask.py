@@ -6,7 +6,8 @@ import numpy as np
 
 from flexdyn.arrays import Flags
 from flexdyn.diagnose.equations.covariance import SampleNoise
-from flexdyn.diagnose.equations.equations import LINK, MOTOR, SENSOR, TOTAL, Equations
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.rest import borders, near, uncertain_sign
 from flexdyn.effects import JointCoupling

@@ -65,17 +65,12 @@ def near(samples: Flags, reach: int) -> Flags:
 
 def long_runs(samples: Flags, length: int) -> Flags:
     """Those of some samples (samples,) that stand in a run of more than so many."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], samples, [False]]).astype(np.int8)))
-    kept = np.zeros_like(samples)
-    for first, last in edges.reshape(-1, 2).tolist():
-        kept[first:last] = last - first > length
-    return kept
+    from scipy.ndimage import binary_opening
+
+    return np.asarray(binary_opening(samples, np.ones(length + 1)))
 
 
 def borders(samples: Flags) -> Flags:
     """Samples (samples,) on both sides of each place where a run of some samples begins or ends."""
-    change = samples[1:] != samples[:-1]
-    found = np.zeros_like(samples)
-    found[1:] |= change
-    found[:-1] |= change
-    return found
+    change = np.diff(samples)
+    return np.asarray(np.pad(change, (1, 0)) | np.pad(change, (0, 1)))
