@@ -135,8 +135,7 @@ def motion(links: LinkSide, signals: Smoothed, base: SmoothedMotion | None = Non
         base: motion of another model in the same recording, whose slopes are used if it is similar.
     """
     total = links.inverse_dynamics(signals.q, signals.v, signals.a)
-    own = {entry.name: getattr(signals, entry.name) for entry in dataclasses.fields(signals)}
-    made = SmoothedMotion(**own, links=links, inverse_dynamics=total)
+    made = SmoothedMotion(**vars(signals), links=links, inverse_dynamics=total)
     return dataclasses.replace(made, near=base) if base is not None and _alike(made, base) else made
 
 
@@ -171,36 +170,20 @@ def smoothed(
     q = np.where(data.has_q, data.q, data.theta)
     theta = np.where(data.has_theta, data.theta, q)
     tau = centred(data.tau)
-    lost = kernel.half
-    t = data.t
-    tau_s = data.tau_s
-    resting = rests.where if rests else np.zeros((len(t) - 2 * kernel.half, model.n), dtype=bool)
+    t, tau_s, lost, inner = data.t, data.tau_s, kernel.half, slice(kernel.half, -kernel.half)
+    resting = rests.where if rests else np.zeros((len(t[inner]), model.n), dtype=bool)
     if (model.elastic & ~data.both).any():
         q, theta = made_up(model, links, q, theta, tau, data, kernel, rests)
-        q = replayed(model, q, theta, data, t[kernel.half : len(t) - kernel.half])
-        tau, tau_s, t = kernel.apply(tau, 0), kernel.apply(tau_s, 0), t[kernel.half : len(t) - kernel.half]
-        lost += kernel.half
+        q = replayed(model, q, theta, data, t[inner])
+        tau, tau_s = kernel.apply(tau, 0), kernel.apply(tau_s, 0)
     elif not data.both.all():  # as many samples as for an elastic joint
-        inner = slice(kernel.half, len(t) - kernel.half)
-        q, theta, tau, tau_s, t = q[inner], theta[inner], tau[inner], tau_s[inner], t[inner]
-        lost += kernel.half
-    q, v, a = (kernel.apply(q, k) for k in range(3))
-    theta, omega, alpha = (kernel.apply(theta, k) for k in range(3))
-    return Smoothed(
-        t=t[kernel.half : len(t) - kernel.half],
-        dt=data.dt,
-        q=q,
-        v=v,
-        a=a,
-        theta=theta,
-        omega=omega,
-        alpha=alpha,
-        tau=kernel.apply(tau, 0),
-        tau_s=kernel.apply(tau_s, 0),
-        data=data,
-        lost=lost,
-        resting=resting[lost - kernel.half : len(resting) - (lost - kernel.half)],
-    )
+        q, theta, tau, tau_s = q[inner], theta[inner], tau[inner], tau_s[inner]
+    if not data.both.all():
+        t, resting, lost = t[inner], resting[inner], lost + kernel.half
+    own = {name: kernel.apply(q, order) for order, name in enumerate(("q", "v", "a"))}
+    own |= {name: kernel.apply(theta, order) for order, name in enumerate(("theta", "omega", "alpha"))}
+    own |= {"tau": kernel.apply(tau, 0), "tau_s": kernel.apply(tau_s, 0)}
+    return Smoothed(t=t[inner], dt=data.dt, **own, data=data, lost=lost, resting=resting)
 
 
 def replayed(model: FlexibleJointModel, q: Array, theta: Array, data: Measured, t: Array) -> Array:

@@ -96,9 +96,7 @@ def _check_motion(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
             raise InputError(problem, file=data[0].name, key=f"{signal}.{joint}", value=value, remedy=remedy)
     moving = sum(_moving_time(each, signals, noise) for each in data)
     if moving < LEAST_MOVING_TIME:
-        problem = "hardly anything moves in the recording"
-        if len(data) > 1:
-            problem = "hardly anything moves in the recordings"
+        problem = f"hardly anything moves in the recording{'s' if len(data) > 1 else ''}"
         raise InputError(problem, file=data[0].name, key="t", value=f"{moving:.2g} s of motion", remedy=REMEDY)
 
 

@@ -125,10 +125,8 @@ class Shooter:
         for place, w in enumerate(which.tolist()):
             times = self.windows.t[w] - self.windows.t[w, 0]
             command = _core.open_loop(self.signals[w])
-            arrays = [*out[place], z[place]]
-            span = float(times[-1])
-            start = np.ascontiguousarray(x0[w])
-            jobs.append(_core.job(self.plants[w], command, [], start, span, solver, times, arrays, None))
+            start, arrays = np.ascontiguousarray(x0[w]), [*out[place], z[place]]
+            jobs.append(_core.job(self.plants[w], command, [], start, float(times[-1]), solver, times, arrays, None))
         python = any(effect.is_python for effect in self.model.all_effects)
         reached = _simulated(jobs, out[:, 0], python=python)
         q, theta, v, omega = (out[:, k] for k in range(4))
