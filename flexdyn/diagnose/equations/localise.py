@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -71,26 +72,21 @@ def _regime(equations: Equations, place: int, power: Array, seen: Flags) -> str:
     for along in equations.motions:
         at = equations.filters.instants(len(along.t))
         width = max(1, round(POWER_BLOCK / (along.dt * equations.filters.every)))
-        rows, used = power[first : first + len(at)], seen[first : first + len(at)].astype(float)
-        first += len(at)
-        weight = _sums(used, width)
-        kept = weight >= 0.5 * width
-        blocks.append((_sums(rows * used, width)[kept]) / weight[kept])
+        used = seen[first : first + len(at)].astype(float)
+        blocks.append(_averaged(power[first : first + len(at)], used, width))
         columns.append(
-            [
-                Quantity(each.text, (_sums(each.values[at] * used, width)[kept]) / weight[kept], each.signed)
-                for each in _quantities(equations, along, j, kind)
-            ]
+            [replace(e, values=_averaged(e.values[at], used, width)) for e in _quantities(equations, along, j, kind)]
         )
-    joined = [
-        Quantity(same[0].text, np.concatenate([each.values for each in same]), same[0].signed)
-        for same in zip(*columns, strict=True)
-    ]
+        first += len(at)
+    joined = [replace(same[0], values=np.concatenate([e.values for e in same])) for same in zip(*columns, strict=True)]
     return regime(np.concatenate(blocks), joined)
 
 
-def _sums(x: Array, width: int) -> Array:
-    return np.asarray(x[: len(x) // width * width].reshape(-1, width).sum(axis=1))
+def _averaged(x: Array, used: Array, width: int) -> Array:
+    """Means over the used ones of so many neighbours (blocks,), of which at least half are used."""
+    values, weight = (each[: len(x) // width * width].reshape(-1, width).sum(axis=1) for each in (x * used, used))
+    kept = weight >= 0.5 * width
+    return np.asarray(values[kept] / weight[kept])
 
 
 def _quantities(equations: Equations, along: SmoothedMotion, j: int, kind: str) -> Iterator[Quantity]:

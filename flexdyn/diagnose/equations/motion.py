@@ -86,13 +86,6 @@ class SmoothedMotion(Smoothed):
         """Mass matrices (samples, n, n) [kg m^2]."""
         return self.links.mass_matrix(self.q)
 
-    @lazy
-    def ranges(self) -> tuple[float, float, float]:
-        """Ranges of positions, velocities and needed torques, for the joint with the largest ones."""
-        tables = (self.q, self.v, self.inverse_dynamics)
-        q, v, total = (float((x.max(axis=0) - x.min(axis=0)).max()) for x in tables)
-        return q, v, total
-
     def dragged(self, j: int, moved: Sequence[Array], at: Places = slice(None)) -> Array:
         """Change of M a + h (samples, n) by changes of a joint's position, speed and acceleration.
 
@@ -145,7 +138,7 @@ def _alike(one: SmoothedMotion, base: SmoothedMotion) -> bool:
         return False
     pairs = ((one.q, base.q), (one.v, base.v), (one.inverse_dynamics, base.inverse_dynamics))
     shares = (SHARED_MOTION_SHARE, SHARED_MOTION_SHARE, SHARED_TORQUE_SHARE)
-    return all(np.abs(a - b).max() <= s * r for (a, b), s, r in zip(pairs, shares, base.ranges, strict=True))
+    return all(np.abs(a - b).max() <= s * np.ptp(b, axis=0).max() for (a, b), s in zip(pairs, shares, strict=True))
 
 
 def smoothed(
