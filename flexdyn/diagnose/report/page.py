@@ -66,7 +66,8 @@ def page(diagnosis: Diagnosis) -> str:
     figures = _figures(diagnosis)
     laws = [law_picture(finding.suspect, diagnosis.model) for finding in diagnosis.findings]
     # The script unpacks the library and runs it as an element of its own.
-    library, script = (get_plotlyjs() if figures else ""), Path(__file__).with_name("page.js").read_text("utf-8")
+    library = get_plotlyjs() if figures else ""
+    script = "".join(Path(__file__).with_name(f"{name}.js").read_text("utf-8") for name in ("looks", "page"))
     kind = "Interrupted diagnosis" if diagnosis.verdict == "interrupted" else "Diagnosis"
     return html.page(
         "diagnose/report/page.html",

@@ -15,8 +15,6 @@ from flexdyn.io.locked import Locked
 
 NARROW = 500
 """Slices of time whose extremes are drawn: such a picture is half as wide as the page."""
-MODELS = ("as given", "calibrated", "corrected")
-"""Models whose errors a curve holds."""
 MOST_LOOP_POINTS = 4000
 """Points of a loop of force that are drawn."""
 MOST_TRAJECTORY_POINTS = 6000
