@@ -46,10 +46,6 @@ KNOWN = {
     if not name.startswith("_")
 }
 """What templates may call: all that these modules offer."""
-CORRELATIONS_OPEN = 10
-"""Number of correlations that are shown at once; the others open on a click."""
-NOISE_CHANNELS_OPEN = 4
-"""Number of channels whose noise is shown at once; more open on a click."""
 
 
 def page(diagnosis: Diagnosis) -> str:
@@ -93,8 +89,7 @@ def part(diagnosis: Diagnosis, name: str) -> str:
 def _known(diagnosis: Diagnosis, laws: Sequence[str | None]) -> dict[str, Any]:
     """All values of the templates."""
     own = {"CONSIDERED": CONSIDERED, "isfinite": math.isfinite, "isnan": math.isnan, "diagnosis": diagnosis}
-    limits = {"CORRELATIONS_OPEN": CORRELATIONS_OPEN, "NOISE_CHANNELS_OPEN": NOISE_CHANNELS_OPEN}
-    return {**KNOWN, **own, **limits, "model": diagnosis.model, "laws": laws}
+    return {**KNOWN, **own, "model": diagnosis.model, "laws": laws}
 
 
 def _figures(diagnosis: Diagnosis) -> dict[str, object]:

@@ -44,18 +44,24 @@ def _together(diagnosis: Diagnosis, group: list[Finding]) -> str:
 
 def gap_sentence(diagnosis: Diagnosis) -> str:
     """The gap in a line: on the test data where they were opened."""
-    return _told("gap", diagnosis)
+    return told("gap", diagnosis)
 
 
 def error_sentence(diagnosis: Diagnosis) -> str:
     """The joint whose torque the given model explains worst, before and after; empty where nothing was measured."""
     errors = [(joint, entry.torque) for joint, entry in diagnosis.errors.items()]
     errors = [each for each in errors if math.isfinite(each[1].share_before + each[1].share_after)]
-    return _told("torque_error", diagnosis, errors=errors)
+    return told("torque_error", diagnosis, errors=errors)
 
 
-def _told(name: str, diagnosis: Diagnosis, **known: Any) -> str:
-    """What a template makes of a diagnosis."""
+def told(name: str, diagnosis: Diagnosis, **known: Any) -> str:
+    """What a template of text makes of a diagnosis.
+
+    Args:
+        name: of the template.
+        diagnosis: as it calls it; `model` is its model.
+        known: what else its names stand for, besides what `digits` and `words` offer.
+    """
     offered = {**vars(digits), **vars(words), **known, "diagnosis": diagnosis, "model": diagnosis.model}
     return fill(f"diagnose/report/{name}.txt", **offered).rstrip("\n")
 
@@ -94,7 +100,7 @@ def next_measurements(diagnosis: Diagnosis) -> list[str]:
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """The verdict in a sentence or two; of many findings it names the first, of the greatest share."""
-    return _told(
+    return told(
         "verdict",
         diagnosis,
         firm=[finding for finding in diagnosis.findings if finding.established],
