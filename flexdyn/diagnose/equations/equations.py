@@ -11,7 +11,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.data.sensors import corrected
-from flexdyn.diagnose.equations.layout import MOTOR, Layout
+from flexdyn.diagnose.equations.layout import MOTOR, EquationLayout
 from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
 from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.equations.shared import same_links, same_signals
@@ -27,7 +27,7 @@ Torques = tuple[Array | None, Array | None, Array | None]
 
 
 @dataclass(frozen=True, eq=False)
-class Equations(Layout):
+class Equations(EquationLayout):
     """The equations of a model along measured motions.
 
     Attributes:

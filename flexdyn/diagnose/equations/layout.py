@@ -20,7 +20,7 @@ MOTOR, LINK, TOTAL, TRANSMISSION, SENSOR = "motor", "link", "total", "transmissi
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class EquationLayout:
     """The equations of a model for measured channels.
 
     Rows of all recordings follow one another, time by time, and at each time stand the equations in the order of

@@ -92,8 +92,7 @@ def _averaged(x: Array, used: Array, width: int) -> Array:
 def _quantities(equations: Equations, along: SmoothedMotion, j: int, kind: str) -> Iterator[Quantity]:
     """Quantities on which an equation's residual may depend, over the samples of a motion (samples,)."""
     model = equations.true
-    angle = model.robot.angle_unit(model.joint_names[j])
-    torque = "N m" if angle == "rad" else "N"
+    angle, torque = model.robot.angle_unit(j), model.robot.torque_unit(j)
     x, u, name = (along.q, along.v, "v") if kind in (LINK, SENSOR) else (along.theta, along.omega, "omega")
     yield Quantity(f"abs({name}) {{}} {angle}/s", np.abs(u[:, j]))
     yield Quantity(f"{{}} {angle} after a reversal", _travelled(x[:, j], u[:, j]))
@@ -144,9 +143,8 @@ def traces(before: Equations, after: Equations, mask: Flags) -> tuple[ResidualTr
     for place, (j, kind) in enumerate(before.kinds):
         joint = before.true.joint_names[j]
         angle = before.true.robot.angle_unit(joint)
-        title, unit = f"{joint}, {SIDES[kind]}", f"residual torque [{'N m' if angle == 'rad' else 'N'}]"
-        if kind == TRANSMISSION:
-            unit = f"residual deflection [{angle}]"
+        unit = f"residual torque [{before.true.robot.torque_unit(joint)}]"
+        title, unit = f"{joint}, {SIDES[kind]}", f"residual deflection [{angle}]" if kind == TRANSMISSION else unit
         link = kind in (LINK, SENSOR)
         clear = ~hidden[:, place]
         rows = len(places[0])

@@ -114,7 +114,7 @@ def mistakes(model: FlexibleJointModel, seen: Match) -> Iterator[Mistake]:
 def torque_unit(model: FlexibleJointModel, j: int, gain: float) -> tuple[float, str, str] | None:
     """The error factor of a torque, its probable cause and the remedy; None if it seems right."""
     name, ratio = model.joint_names[j], list(model.joints.values())[j].gear_ratio
-    unit = "N" if model.robot.kinds[j] == "prismatic" else "N m"
+    unit = model.robot.torque_unit(j)
     known = [
         (-1.0, "its sign, or that of the joint's positions, is flipped", f"change the sign of tau.{name}"),
         (1e3, f"it looks like m{unit}", f"divide tau.{name} by 1000 ({unit} are wanted)"),

@@ -38,7 +38,6 @@ def explanation(diagnosis: Diagnosis, target: str) -> str:
         diagnosis,
         target=target,
         found=[_facts(diagnosis, each) for each in resolved(diagnosis, target)],
-        isnan=math.isnan,
         ESTABLISHED=ESTABLISHED,
         RANKS_LISTED=RANKS_LISTED,
     )

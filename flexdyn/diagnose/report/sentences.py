@@ -16,11 +16,7 @@ FINDINGS_IN_ONE_SENTENCE = 2
 
 def finding_sentence(diagnosis: Diagnosis, finding: Finding) -> str:
     """A finding with its probability in words and numbers, and that of every name that it may have."""
-    phrase = words.capital(words.finding_phrase(diagnosis.model, finding, each=True))
-    together = "together " if finding.rivals else ""
-    how, said = digits.likely(finding.probability), digits.probability_text(finding.probability)
-    held = f"{how} ({together}probability {said})" if math.isfinite(finding.probability) else how
-    return f"{phrase}: {held}."
+    return told("finding", diagnosis, group=[finding])
 
 
 def finding_sentences(diagnosis: Diagnosis) -> list[str]:
@@ -29,17 +25,7 @@ def finding_sentences(diagnosis: Diagnosis) -> list[str]:
     for place, finding in enumerate(diagnosis.findings):
         kind = None if finding.rivals else words.kind_of(finding.suspect)
         groups.setdefault(kind or place, []).append(finding)
-    return [_together(diagnosis, group) for group in groups.values()]
-
-
-def _together(diagnosis: Diagnosis, group: list[Finding]) -> str:
-    """One effect at several joints: the least probable one sets the words."""
-    if len(group) == 1:
-        return finding_sentence(diagnosis, group[0])
-    least = min(finding.probability for finding in group)
-    said = digits.probability_text(least)
-    held = f"each {digits.likely(least)} (probability {said}{'' if ' ' in said else ' or more'})"
-    return f"{words.capital(words.joints_phrase([finding.suspect for finding in group]))}: {held}."
+    return [told("finding", diagnosis, group=group) for group in groups.values()]
 
 
 def gap_sentence(diagnosis: Diagnosis) -> str:
@@ -62,7 +48,8 @@ def told(name: str, diagnosis: Diagnosis, **known: Any) -> str:
         diagnosis: as it calls it; `model` is its model.
         known: what else its names stand for, besides what `digits` and `words` offer.
     """
-    offered = {**vars(digits), **vars(words), **known, "diagnosis": diagnosis, "model": diagnosis.model}
+    own = {"diagnosis": diagnosis, "model": diagnosis.model, "isfinite": math.isfinite, "isnan": math.isnan}
+    offered = {**vars(digits), **vars(words), **own, **known}
     return fill(f"diagnose/report/{name}.txt", **offered).rstrip("\n")
 
 
