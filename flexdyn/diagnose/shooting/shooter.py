@@ -104,10 +104,8 @@ class Shooter:
         windows, n = self.windows, self.model.n
         count, rows = len(windows), windows.rows
         solver = core_settings(self._solver(x0, tight), MOST_EVALUATIONS)
-        motion = SimulatedWindows(
-            np.zeros((count, rows, n)), np.zeros((count, rows, n)), np.zeros((count, windows.blocks, self.size)),
-            np.zeros(count, np.int64),
-        )  # fmt: skip
+        q, theta, x = (np.zeros((count, *each)) for each in ((rows, n), (rows, n), (windows.blocks, self.size)))
+        motion = SimulatedWindows(q, theta, x, np.zeros(count, np.int64))
         motion = motion if others is None else others.part(np.arange(count))
         which = np.arange(count) if which is None else which
         for begin in range(0, len(which), AT_ONCE):
