@@ -1,11 +1,13 @@
-"""Attributes that are computed at their first use, in threads that do not wait for one another."""
+"""Attributes and results that are computed at their first use, in threads that do not wait for one another."""
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
-from typing import Any, Generic, Self, TypeVar, overload
+from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar, overload
 
 Value = TypeVar("Value")
+Key = ParamSpec("Key")
 
 
 class lazy(Generic[Value]):
@@ -37,3 +39,17 @@ class lazy(Generic[Value]):
         value = self.compute(instance)
         instance.__dict__[self.name] = value
         return value
+
+
+def kept(compute: Callable[Concatenate[Any, Key], Value]) -> Callable[Concatenate[Any, Key], Value]:
+    """A method whose results an object keeps, by their arguments; these are hashable and have no names."""
+    place = f"{compute.__name__} kept"
+
+    @functools.wraps(compute)
+    def known(self: Any, /, *key: Key.args, **named: Key.kwargs) -> Value:
+        found: dict[Any, Value] = self.__dict__.setdefault(place, {})
+        if key not in found:
+            found[key] = compute(self, *key, **named)
+        return found[key]
+
+    return known

@@ -104,12 +104,9 @@ def _of_report(model: FlexibleJointModel, report: Mapping[str, Any], label: str)
     for finding in report["findings"]:
         where = _told(finding)
         for parameter, number in finding["parameters"].items():
-            wrong = finding["effect"] == ParameterError.name
-            phrase = (
-                number_phrase(model, finding["of"], finding["parameter"])
-                if wrong
-                else f"{parameter.replace('_', ' ')} of {where}"
-            )
+            phrase = f"{parameter.replace('_', ' ')} of {where}"
+            if finding["effect"] == ParameterError.name:
+                phrase = number_phrase(model, finding["of"], finding["parameter"])
             value, std = _float(number["value"]), _float(number["std"])
             factors[phrase], relative[phrase] = value, std / max(abs(value), 1e-300)
         named[where] = _float(finding["probability"])

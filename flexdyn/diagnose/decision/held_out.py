@@ -11,7 +11,8 @@ from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener, whitener
-from flexdyn.diagnose.equations.equations import LINK, MOTOR, TOTAL, Equations
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.layout import LINK, MOTOR, TOTAL
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis

@@ -11,7 +11,8 @@ from flexdyn.arrays import Array
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.equations.covariance import Whitener
-from flexdyn.diagnose.equations.equations import LINK, SENSOR, TRANSMISSION, Equations
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.layout import LINK, SENSOR, TRANSMISSION
 from flexdyn.diagnose.equations.localise import SIDES
 from flexdyn.diagnose.report.trace import ResidualTrace
 from flexdyn.diagnose.report.words import capital, effect_name

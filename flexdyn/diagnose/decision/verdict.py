@@ -11,7 +11,7 @@ import numpy as np
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.decision.gaps import Shots
 from flexdyn.diagnose.decision.held_out import HeldOut, rms
-from flexdyn.diagnose.equations.equations import LINK, TRANSMISSION
+from flexdyn.diagnose.equations.layout import LINK, TRANSMISSION
 from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.report.measures import Left, ResidualPlace
 from flexdyn.diagnose.report.result import Verdict

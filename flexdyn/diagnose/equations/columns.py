@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexdyn.diagnose.data.measured import Measured
-from flexdyn.diagnose.data.sensors import true_channel
+from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.compliance import of_compliance
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
+from flexdyn.diagnose.equations.sensor_columns import of_sensor
 from flexdyn.diagnose.equations.terms import adds_up, applied_torque, of_joint, own_torque, spreads
 from flexdyn.effects import (
-    ChannelLag,
     Effect,
     JointEffect,
     JointElasticity,
@@ -24,7 +22,6 @@ from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 TOLD = 1e-3
 """Share of the largest torque that an effect must make for a simulation to tell it well [1]."""
 ENLARGEMENTS, LARGEST_ENLARGEMENT = 8, 1e4
@@ -53,11 +50,16 @@ def moves_links(equations: Equations, effect: Effect) -> bool:
         return False
     if isinstance(effect, SensorEffect):
         return effect.signal != "tau"
-    if not isinstance(effect, JointEffect):
-        return True
-    if spreads(effect, equations.true):
+    if not isinstance(effect, JointEffect) or spreads(effect, equations.true):
         return True
     return bool(equations.replayed[equations.true.index(effect.joint)]) and effect.side != "motor"
+
+
+def _bends(equations: Equations, effect: Effect) -> bool:
+    """Whether a position that was computed from the other one depends on an effect."""
+    return isinstance(effect, JointEffect) and bool(
+        effect.bends_spring and equations.made_up[equations.true.index(effect.joint)]
+    )
 
 
 def of_replay(equations: Equations, effect: Effect, scale: float) -> Array:
@@ -70,8 +72,7 @@ def of_replay(equations: Equations, effect: Effect, scale: float) -> Array:
     zeros = [name for name, nothing in effect.neutral.items() if nothing == 0.0]
     for _ in range(ENLARGEMENTS):
         larger = effect.replace(**{name: size * getattr(effect, name) for name in zeros})
-        there = equations.of(equations.model.replace(effects=[*equations.model.effects, larger]))
-        change = there.residual - equations.residual
+        change = equations.change([*equations.model.effects, larger])
         largest = float(np.abs(change).max())
         if not zeros or not largest < least:
             return change / (size * scale)
@@ -94,15 +95,14 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
     if moves_links(equations, effect):
         return of_replay(equations, effect, scale)
     if isinstance(effect, SensorEffect):
-        return _of_sensor(equations, effect) / scale
+        return of_sensor(equations, effect) / scale
     if isinstance(effect, Payload):
         model = equations.true.replace(effects=[*equations.true.effects, effect])
         return equations.of_links([LinkSide(model)])[:, 0] / scale
+    if _bends(equations, effect):
+        return equations.change([*equations.model.effects, effect]) / scale
     true, effect = equations.true, on_joint(effect)
     j = true.index(effect.joint)
-    if effect.bends_spring and equations.made_up[j]:
-        there = equations.of(equations.model.replace(effects=[*equations.model.effects, effect]))
-        return (there.residual - equations.residual) / scale
     if isinstance(effect, JointElasticity):  # to first order
         return of_compliance(equations, j) / (effect.stiffness * scale)
     if isinstance(effect, TorqueConstantError):
@@ -133,23 +133,18 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
         step: of the difference, in the parameter's unit.
     """
     ahead = {name: getattr(effect, name) + step}
-    if moves_links(equations, effect):
-        effects = [effect.replace(**ahead) if e == effect else e for e in equations.model.effects]
-        return (equations.of(equations.model.replace(effects=effects)).residual - equations.residual) / step
-    if isinstance(effect, SensorEffect):
-        return _of_sensor(equations, effect.replace(**ahead), effect) / step
     moved = effect.replace(**ahead)
+    if moves_links(equations, effect) or isinstance(effect, JointElasticity) or _bends(equations, effect):
+        # other rows and positions move with it
+        return equations.change([moved if e == effect else e for e in equations.model.effects]) / step
+    if isinstance(effect, SensorEffect):
+        return of_sensor(equations, effect.replace(**ahead), effect) / step
     if isinstance(effect, Payload | TorqueConstantError):
         return (of_effect(equations, moved) - of_effect(equations, effect)) / step
     true, effect, moved = equations.true, on_joint(effect), on_joint(moved)
-    j = true.index(effect.joint)
-    if isinstance(effect, JointElasticity) or (effect.bends_spring and equations.made_up[j]):
-        # other rows and positions move with it
-        effects = [moved if e == effect else e for e in equations.model.effects]
-        return (equations.of(equations.model.replace(effects=effects)).residual - equations.residual) / step
     if stands_alone(equations, effect):
         return of_change(equations, effect, moved) / step
-    effects = [moved if e is effect or e == effect else e for e in true.all_effects]
+    j, effects = true.index(effect.joint), [moved if e == effect else e for e in true.all_effects]
     return (equations.of_joint(j, true, effects) - equations.own(j)) / step
 
 
@@ -167,25 +162,3 @@ def on_joint(effect: Effect) -> JointEffect:
     if not isinstance(effect, JointEffect):
         raise InputError("the effect has no torque along a motion", key="effect", value=effect.name)
     return effect
-
-
-def _of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect | None = None) -> Array:
-    """Change of the rows (rows,) by the error that a sensor effect adds: the true channel is smaller by it.
-
-    Args:
-        equations: of the model.
-        effect: of a sensor.
-        instead: another effect of its kind, whose error is subtracted; None: none.
-    """
-    j = equations.true.index(effect.joint)
-
-    def true(effect: SensorEffect, data: Measured, seen: Array) -> Array:
-        if isinstance(effect, ChannelLag) and effect.signal == "tau":
-            return np.asarray(np.interp(data.t + effect.delay, data.t, seen))
-        return true_channel([effect], seen, data)
-
-    def error(data: Measured) -> Array:
-        seen = data.channel(effect.signal)[:, j]
-        return true(effect, data, seen) - (seen if instead is None else true(instead, data, seen))
-
-    return equations.of_channel(effect.signal, j, error)

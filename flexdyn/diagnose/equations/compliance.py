@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations.equations import LINK, TOTAL, TRANSMISSION, Equations
+from flexdyn.arrays import Array
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.layout import LINK, TOTAL, TRANSMISSION
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import joint_terms
-
-Array = NDArray[np.float64]
 
 
 def of_compliance(equations: Equations, j: int) -> Array:

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
-from flexdyn.diagnose.equations.equations import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION, Equations
+from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 
-Array = NDArray[np.float64]
-Add = Callable[[tuple[str, int], int, int, float | Array], None]
-Terms = dict[int, float | Array]
-"""A coefficient by equation: one number, or one for each time (times,)."""
-Coefficients = dict[tuple[str, int], dict[int, Terms]]
+Coefficient = float | Array
+"""One number, or one for each time (times,)."""
+Terms = dict[int, Coefficient]
+"""Of every equation."""
+Channel = tuple[str, int]
 MASKED = 1e8
 """Variance of a masked row in units of the median one."""
 
@@ -43,7 +44,7 @@ class Whitener:
     """
 
     factor: Array
-    mask: NDArray[np.bool_]
+    mask: Flags
 
     def __call__(self, rows: Array) -> Array:
         """White rows of unit variance (rows, ...); zero where masked."""
@@ -57,7 +58,7 @@ class Whitener:
         _core.whiten_apart(self.factor, self.mask, np.ascontiguousarray(raw), white)
 
 
-def whitener(equations: Equations, noise: SampleNoise, mask: NDArray[np.bool_], extra: Array | None = None) -> Whitener:
+def whitener(equations: Equations, noise: SampleNoise, mask: Flags, extra: Array | None = None) -> Whitener:
     """The whitening of the equations' rows.
 
     Noise passes the same filters as the motion; a residual is ``sum_c sum_o C_co(t) d^o/dt^o n_c``, its covariance
@@ -118,46 +119,39 @@ def _kernels(equations: Equations) -> dict[str, list[Array]]:
     return {"position": whole, "tau": held, "tau_s": whole[:1]}
 
 
-def _coefficients(equations: Equations, along: SmoothedMotion) -> Coefficients:
+def _coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, dict[int, Terms]]:
     """C by channel, order of derivative and equation; those that are zero are left out."""
-    model = equations.true
-    at = equations.filters.instants(len(along.t))
-    M, K, D, J = along.M[at].transpose(1, 2, 0).copy(), model.stiffness, model.damping, model.rotor_inertia
-    found: Coefficients = {}
-    add = partial(_add, found)
+    M = along.M[equations.filters.instants(len(along.t))].transpose(1, 2, 0).copy()
+    found: dict[Channel, dict[int, Terms]] = {}
     for row, (j, kind) in enumerate(equations.kinds):
-        if kind in (MOTOR, TOTAL):
-            add(("tau", j), 0, row, 1.0)
-            add(("theta" if along.data.has_theta[j] else "q", j), 1, row, -equations.back_emf(j))
-        if kind == SENSOR:
-            add(("tau_s", j), 0, row, 1.0)
-        if kind == MOTOR:
-            for order, value in ((0, K[j]), (1, D[j]), (2, 0.0)):
-                add(("q", j), order, row, value)
-                add(("theta", j), order, row, -value - (J[j] if order == 2 else 0.0))
-        if kind == LINK:
-            for order, value in ((0, K[j]), (1, D[j])):
-                add(("theta", j), order, row, value)
-                add(("q", j), order, row, -value)
-        if kind == TRANSMISSION:
-            add(("theta", j), 0, row, 1.0)
-            add(("q", j), 0, row, -1.0)
-        if kind == SENSOR and model.elastic[j]:
-            add(("theta", j), 0, row, -K[j])
-            add(("q", j), 0, row, K[j])
-        if kind in (LINK, TOTAL):
-            _links(equations, along, M, row, j, kind, add)
+        own = _own(equations, along, j, kind)
+        for channel, order, value in (*own, *(_links(equations, along, M, j, kind) if kind in (LINK, TOTAL) else ())):
+            if np.any(value):
+                rows = found.setdefault(channel, {}).setdefault(order, {})
+                rows[row] = rows.get(row, 0.0) + value
     return found
 
 
-def _add(found: Coefficients, channel: tuple[str, int], order: int, row: int, value: float | Array) -> None:
-    """Add to the coefficient of a channel's derivative in one equation."""
-    if np.any(value):
-        rows = found.setdefault(channel, {}).setdefault(order, {})
-        rows[row] = rows.get(row, 0.0) + value
+def _own(equations: Equations, along: SmoothedMotion, j: int, kind: str) -> Iterator[tuple[Channel, int, Coefficient]]:
+    """Coefficients of a joint's torques, transmission and rotor in one of its equations."""
+    model = equations.true
+    K, D = model.stiffness[j], model.damping[j]
+    if kind in (MOTOR, TOTAL):
+        yield ("tau", j), 0, 1.0
+        yield ("theta" if along.data.has_theta[j] else "q", j), 1, -equations.back_emf(j)
+    if kind == SENSOR:
+        yield ("tau_s", j), 0, 1.0
+    bent = {MOTOR: (-K, -D), LINK: (K, D), TRANSMISSION: (1.0,), SENSOR: (-K,) if model.elastic[j] else ()}
+    for order, value in enumerate(bent.get(kind, ())):
+        yield ("q", j), order, -value
+        yield ("theta", j), order, value
+    if kind == MOTOR:
+        yield ("theta", j), 2, -model.rotor_inertia[j]
 
 
-def _links(equations: Equations, along: SmoothedMotion, M: Array, row: int, j: int, kind: str, add: Add) -> None:
+def _links(
+    equations: Equations, along: SmoothedMotion, M: Array, j: int, kind: str
+) -> Iterator[tuple[Channel, int, Coefficient]]:
     """The links' accelerations in one equation: measured, or computed from those of the rotors."""
     model = equations.true
     has_q, has_theta = along.data.has_q, along.data.has_theta
@@ -165,23 +159,23 @@ def _links(equations: Equations, along: SmoothedMotion, M: Array, row: int, j: i
     moves = ~along.resting[equations.filters.instants(len(along.t))]
     for i in range(model.n):
         if model.elastic[i] and not has_q[i]:
-            add(("theta", i), 2, row, -M[j, i])
+            yield ("theta", i), 2, -M[j, i]
             soft = np.where(moves[:, i], M[j, i] / K[i], 0.0)  # of a resting joint the load is known, and smoothed
-            add(("theta", i), 4, row, -soft * J[i])
-            add(("tau", i), 2, row, soft)
-            add(("theta", i), 5, row, soft * D[i] * J[i] / K[i])
-            add(("tau", i), 3, row, -soft * D[i] / K[i])
-        else:
-            channel = "q" if has_q[i] else "theta"
-            add((channel, i), 2, row, -M[j, i])
-            if kind == TOTAL and model.elastic[j] and not has_theta[j]:
-                add((channel, i), 4, row, -M[j, i] * J[j] / K[j])
-                add((channel, i), 5, row, M[j, i] * J[j] * D[j] / K[j] ** 2)
+            yield ("theta", i), 4, -soft * J[i]
+            yield ("tau", i), 2, soft
+            yield ("theta", i), 5, soft * D[i] * J[i] / K[i]
+            yield ("tau", i), 3, -soft * D[i] / K[i]
+            continue
+        channel = ("q" if has_q[i] else "theta", i)
+        yield channel, 2, -M[j, i]
+        if kind == TOTAL and model.elastic[j] and not has_theta[j]:
+            yield channel, 4, -M[j, i] * J[j] / K[j]
+            yield channel, 5, M[j, i] * J[j] * D[j] / K[j] ** 2
     if kind == TOTAL and model.elastic[j]:
-        add(("theta" if has_theta[j] else "q", j), 2, row, -J[j])
+        yield ("theta" if has_theta[j] else "q", j), 2, -J[j]
     elif kind == TOTAL and has_q[j] and has_theta[j]:  # M includes the rotor, whose acceleration follows from theta
-        add(("theta", j), 2, row, -J[j])
-        add(("q", j), 2, row, J[j])
+        yield ("theta", j), 2, -J[j]
+        yield ("q", j), 2, J[j]
 
 
 def _band(equations: Equations, along: SmoothedMotion, noise: SampleNoise, kernels: dict[str, list[Array]]) -> Array:

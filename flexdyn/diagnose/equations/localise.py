@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations.equations import LINK, SENSOR, TRANSMISSION, Equations
+from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.layout import LINK, SENSOR, TRANSMISSION
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.regime import Quantity, regime
 from flexdyn.diagnose.report.measures import ResidualPlace
 from flexdyn.diagnose.report.trace import ResidualTrace
 
-Array = NDArray[np.float64]
 POWER_BLOCK = 0.025
 """Length of the blocks whose power is compared [s]."""
 CHANCE_ROOM, NOISE_LEVEL_ERROR = 5.0, 0.05
@@ -29,7 +30,7 @@ SIDES = {
 }
 
 
-def localise(equations: Equations, white: Array, mask: NDArray[np.bool_]) -> tuple[ResidualPlace, ...]:
+def localise(equations: Equations, white: Array, mask: Flags) -> tuple[ResidualPlace, ...]:
     """Share of the gap and regime of every equation, the largest share first.
 
     Normalised residuals are used: with a stiff spring, the noise of the encoders is large in both equations of a
@@ -62,7 +63,7 @@ def localise(equations: Equations, white: Array, mask: NDArray[np.bool_]) -> tup
     return tuple(found)
 
 
-def _regime(equations: Equations, place: int, power: Array, seen: NDArray[np.bool_]) -> str:
+def _regime(equations: Equations, place: int, power: Array, seen: Flags) -> str:
     """The regime of one equation: rows are combined to blocks, without masked rows."""
     j, kind = equations.kinds[place]
     blocks: list[Array] = []
@@ -71,33 +72,27 @@ def _regime(equations: Equations, place: int, power: Array, seen: NDArray[np.boo
     for along in equations.motions:
         at = equations.filters.instants(len(along.t))
         width = max(1, round(POWER_BLOCK / (along.dt * equations.filters.every)))
-        rows, used = power[first : first + len(at)], seen[first : first + len(at)].astype(float)
-        first += len(at)
-        weight = _sums(used, width)
-        kept = weight >= 0.5 * width
-        blocks.append((_sums(rows * used, width)[kept]) / weight[kept])
+        used = seen[first : first + len(at)].astype(float)
+        blocks.append(_averaged(power[first : first + len(at)], used, width))
         columns.append(
-            [
-                Quantity(each.text, (_sums(each.values[at] * used, width)[kept]) / weight[kept], each.signed)
-                for each in _quantities(equations, along, j, kind)
-            ]
+            [replace(e, values=_averaged(e.values[at], used, width)) for e in _quantities(equations, along, j, kind)]
         )
-    joined = [
-        Quantity(same[0].text, np.concatenate([each.values for each in same]), same[0].signed)
-        for same in zip(*columns, strict=True)
-    ]
+        first += len(at)
+    joined = [replace(same[0], values=np.concatenate([e.values for e in same])) for same in zip(*columns, strict=True)]
     return regime(np.concatenate(blocks), joined)
 
 
-def _sums(x: Array, width: int) -> Array:
-    return np.asarray(x[: len(x) // width * width].reshape(-1, width).sum(axis=1))
+def _averaged(x: Array, used: Array, width: int) -> Array:
+    """Means over the used ones of so many neighbours (blocks,), of which at least half are used."""
+    values, weight = (each[: len(x) // width * width].reshape(-1, width).sum(axis=1) for each in (x * used, used))
+    kept = weight >= 0.5 * width
+    return np.asarray(values[kept] / weight[kept])
 
 
 def _quantities(equations: Equations, along: SmoothedMotion, j: int, kind: str) -> Iterator[Quantity]:
     """Quantities on which an equation's residual may depend, over the samples of a motion (samples,)."""
     model = equations.true
-    angle = model.robot.angle_unit(model.joint_names[j])
-    torque = "N m" if angle == "rad" else "N"
+    angle, torque = model.robot.angle_unit(j), model.robot.torque_unit(j)
     x, u, name = (along.q, along.v, "v") if kind in (LINK, SENSOR) else (along.theta, along.omega, "omega")
     yield Quantity(f"abs({name}) {{}} {angle}/s", np.abs(u[:, j]))
     yield Quantity(f"{{}} {angle} after a reversal", _travelled(x[:, j], u[:, j]))
@@ -125,7 +120,7 @@ def _travelled(x: Array, u: Array) -> Array:
     return np.asarray(np.abs(x - x[last]))
 
 
-def traces(before: Equations, after: Equations, mask: NDArray[np.bool_]) -> tuple[ResidualTrace, ...]:
+def traces(before: Equations, after: Equations, mask: Flags) -> tuple[ResidualTrace, ...]:
     """Residual torques of every equation over time, velocity and position, before and after.
 
     Args:
@@ -148,9 +143,8 @@ def traces(before: Equations, after: Equations, mask: NDArray[np.bool_]) -> tupl
     for place, (j, kind) in enumerate(before.kinds):
         joint = before.true.joint_names[j]
         angle = before.true.robot.angle_unit(joint)
-        title, unit = f"{joint}, {SIDES[kind]}", f"residual torque [{'N m' if angle == 'rad' else 'N'}]"
-        if kind == TRANSMISSION:
-            unit = f"residual deflection [{angle}]"
+        unit = f"residual torque [{before.true.robot.torque_unit(joint)}]"
+        title, unit = f"{joint}, {SIDES[kind]}", f"residual deflection [{angle}]" if kind == TRANSMISSION else unit
         link = kind in (LINK, SENSOR)
         clear = ~hidden[:, place]
         rows = len(places[0])

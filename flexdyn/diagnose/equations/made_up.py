@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.equations.users_laws import torque_of
@@ -13,7 +13,6 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.signals.kernels import GaussianSmoother
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 STEEP_SPRING_ROUNDS, STEEP_SPRING_STEP, STEEPEST_SPRING = 8, 1e-4, 10.0
 """Newton's method: steps, relative difference for slopes, and largest ratio of slopes to the spring's stiffness."""
 

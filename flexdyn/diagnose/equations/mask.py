@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Flags
 from flexdyn.diagnose.equations.covariance import SampleNoise
-from flexdyn.diagnose.equations.equations import LINK, MOTOR, SENSOR, TOTAL, Equations
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.rest import borders, near, uncertain_sign
 from flexdyn.effects import JointCoupling
 
-Array = NDArray[np.float64]
 
-
-def sign_mask(equations: Equations, noise: SampleNoise, *, alone: bool = False) -> NDArray[np.bool_]:
+def sign_mask(equations: Equations, noise: SampleNoise, *, alone: bool = False) -> Flags:
     """Rows (rows,) whose filters cover an instant at which the sign of a velocity of their joint is uncertain.
 
     Args:
@@ -41,7 +40,7 @@ def sign_mask(equations: Equations, noise: SampleNoise, *, alone: bool = False) 
     return np.concatenate(found)
 
 
-def _uncertain(equations: Equations, along: SmoothedMotion, noise: SampleNoise, j: int, kind: str) -> NDArray[np.bool_]:
+def _uncertain(equations: Equations, along: SmoothedMotion, noise: SampleNoise, j: int, kind: str) -> Flags:
     """Samples at which the sign of a velocity in an equation of a joint is uncertain."""
     data = along.data
     uncertain = np.zeros(len(along.t), dtype=bool)
@@ -56,7 +55,7 @@ def _uncertain(equations: Equations, along: SmoothedMotion, noise: SampleNoise, 
     return uncertain | _rubbing(equations, along, noise, j) if kind in (MOTOR, TOTAL) else uncertain
 
 
-def _rubbing(equations: Equations, along: SmoothedMotion, noise: SampleNoise, j: int) -> NDArray[np.bool_]:
+def _rubbing(equations: Equations, along: SmoothedMotion, noise: SampleNoise, j: int) -> Flags:
     """The same of the velocities of a motor relative to others that rub on it."""
     true, uncertain = equations.true, np.zeros(len(along.t), dtype=bool)
     levels = np.maximum(noise.q, noise.theta)
@@ -70,6 +69,6 @@ def _rubbing(equations: Equations, along: SmoothedMotion, noise: SampleNoise, j:
     return uncertain
 
 
-def _covered(equations: Equations, along: SmoothedMotion, samples: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _covered(equations: Equations, along: SmoothedMotion, samples: Flags) -> Flags:
     """Samples whose filters cover one of some samples."""
     return near(samples, equations.filters.reach(1 + (along.lost > equations.filters.first.half)))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.made_up import made_up
 from flexdyn.diagnose.equations.rest import Rests
@@ -18,7 +19,6 @@ from flexdyn.records.signals.kernels import GaussianSmoother
 from flexdyn.simulation.plant import LinkSide
 from flexdyn.simulation.prescribed import links_behind
 
-Array = NDArray[np.float64]
 Places = NDArray[np.intp] | slice
 DYNAMICS_STEP = 1e-5
 """Step of the differences of h [rad and rad/s, or m and m/s]."""
@@ -54,7 +54,7 @@ class Smoothed:
     tau_s: Array
     data: Measured
     lost: int
-    resting: NDArray[np.bool_]
+    resting: Flags
 
     @property
     def delta(self) -> Array:
@@ -85,13 +85,6 @@ class SmoothedMotion(Smoothed):
     def M(self) -> Array:
         """Mass matrices (samples, n, n) [kg m^2]."""
         return self.links.mass_matrix(self.q)
-
-    @lazy
-    def ranges(self) -> tuple[float, float, float]:
-        """Ranges of positions, velocities and needed torques, for the joint with the largest ones."""
-        tables = (self.q, self.v, self.inverse_dynamics)
-        q, v, total = (float((x.max(axis=0) - x.min(axis=0)).max()) for x in tables)
-        return q, v, total
 
     def dragged(self, j: int, moved: Sequence[Array], at: Places = slice(None)) -> Array:
         """Change of M a + h (samples, n) by changes of a joint's position, speed and acceleration.
@@ -135,8 +128,7 @@ def motion(links: LinkSide, signals: Smoothed, base: SmoothedMotion | None = Non
         base: motion of another model in the same recording, whose slopes are used if it is similar.
     """
     total = links.inverse_dynamics(signals.q, signals.v, signals.a)
-    own = {entry.name: getattr(signals, entry.name) for entry in dataclasses.fields(signals)}
-    made = SmoothedMotion(**own, links=links, inverse_dynamics=total)
+    made = SmoothedMotion(**vars(signals), links=links, inverse_dynamics=total)
     return dataclasses.replace(made, near=base) if base is not None and _alike(made, base) else made
 
 
@@ -146,7 +138,7 @@ def _alike(one: SmoothedMotion, base: SmoothedMotion) -> bool:
         return False
     pairs = ((one.q, base.q), (one.v, base.v), (one.inverse_dynamics, base.inverse_dynamics))
     shares = (SHARED_MOTION_SHARE, SHARED_MOTION_SHARE, SHARED_TORQUE_SHARE)
-    return all(np.abs(a - b).max() <= s * r for (a, b), s, r in zip(pairs, shares, base.ranges, strict=True))
+    return all(np.abs(a - b).max() <= s * np.ptp(b, axis=0).max() for (a, b), s in zip(pairs, shares, strict=True))
 
 
 def smoothed(
@@ -171,36 +163,20 @@ def smoothed(
     q = np.where(data.has_q, data.q, data.theta)
     theta = np.where(data.has_theta, data.theta, q)
     tau = centred(data.tau)
-    lost = kernel.half
-    t = data.t
-    tau_s = data.tau_s
-    resting = rests.where if rests else np.zeros((len(t) - 2 * kernel.half, model.n), dtype=bool)
+    t, tau_s, lost, inner = data.t, data.tau_s, kernel.half, slice(kernel.half, -kernel.half)
+    resting = rests.where if rests else np.zeros((len(t[inner]), model.n), dtype=bool)
     if (model.elastic & ~data.both).any():
         q, theta = made_up(model, links, q, theta, tau, data, kernel, rests)
-        q = replayed(model, q, theta, data, t[kernel.half : len(t) - kernel.half])
-        tau, tau_s, t = kernel.apply(tau, 0), kernel.apply(tau_s, 0), t[kernel.half : len(t) - kernel.half]
-        lost += kernel.half
+        q = replayed(model, q, theta, data, t[inner])
+        tau, tau_s = kernel.apply(tau, 0), kernel.apply(tau_s, 0)
     elif not data.both.all():  # as many samples as for an elastic joint
-        inner = slice(kernel.half, len(t) - kernel.half)
-        q, theta, tau, tau_s, t = q[inner], theta[inner], tau[inner], tau_s[inner], t[inner]
-        lost += kernel.half
-    q, v, a = (kernel.apply(q, k) for k in range(3))
-    theta, omega, alpha = (kernel.apply(theta, k) for k in range(3))
-    return Smoothed(
-        t=t[kernel.half : len(t) - kernel.half],
-        dt=data.dt,
-        q=q,
-        v=v,
-        a=a,
-        theta=theta,
-        omega=omega,
-        alpha=alpha,
-        tau=kernel.apply(tau, 0),
-        tau_s=kernel.apply(tau_s, 0),
-        data=data,
-        lost=lost,
-        resting=resting[lost - kernel.half : len(resting) - (lost - kernel.half)],
-    )
+        q, theta, tau, tau_s = q[inner], theta[inner], tau[inner], tau_s[inner]
+    if not data.both.all():
+        t, resting, lost = t[inner], resting[inner], lost + kernel.half
+    own = {name: kernel.apply(q, order) for order, name in enumerate(("q", "v", "a"))}
+    own |= {name: kernel.apply(theta, order) for order, name in enumerate(("theta", "omega", "alpha"))}
+    own |= {"tau": kernel.apply(tau, 0), "tau_s": kernel.apply(tau_s, 0)}
+    return Smoothed(t=t[inner], dt=data.dt, **own, data=data, lost=lost, resting=resting)
 
 
 def replayed(model: FlexibleJointModel, q: Array, theta: Array, data: Measured, t: Array) -> Array:
@@ -225,7 +201,7 @@ def replayed(model: FlexibleJointModel, q: Array, theta: Array, data: Measured, 
     return found
 
 
-def hidden_links(model: FlexibleJointModel, data: Measured) -> NDArray[np.bool_]:
+def hidden_links(model: FlexibleJointModel, data: Measured) -> Flags:
     """Elastic joints whose motors are moved as recorded and whose links nobody measures (n,)."""
     return np.asarray(model.elastic & data.forced & data.has_theta & ~data.has_q)
 

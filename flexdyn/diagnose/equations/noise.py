@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.channel_noise import recorded_torque_noise
 from flexdyn.diagnose.equations.covariance import SampleNoise, variances
-from flexdyn.diagnose.equations.equations import MOTOR, TOTAL, Equations
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.layout import MOTOR, TOTAL
 from flexdyn.records.signals.reading_noise import robust_std
 
-Array = NDArray[np.float64]
 ENCODER_NOISE_SHARE = 0.5
 """Share of the residual's noise that encoders may make for the torque's to be told from it."""
 
 
-def torque_noise(equations: Equations, left: Array, mask: NDArray[np.bool_], encoders: SampleNoise) -> Array:
+def torque_noise(equations: Equations, left: Array, mask: Flags, encoders: SampleNoise) -> Array:
     """Standard deviation of each joint's torque channel (n,) [N m or N].
 
     Second differences of the residuals contain noise and hardly any missing effect. The part of the encoders is

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from flexdyn.arrays import Array, Flags
+
 REGIME_BINS = 12
 """Number of bins of a quantity, with equal numbers of blocks."""
 BLOCKS_AS_ONE = 8.0
@@ -101,7 +102,7 @@ def _explained(level: Array, quantity: Quantity) -> float:
     return 1.0 - (1.0 - share) * (blocks - 1.0) / (blocks - used) if blocks > used else 0.0
 
 
-def _range(excess: Array, quantity: Quantity, inside: NDArray[np.bool_]) -> tuple[str, NDArray[np.bool_]] | None:
+def _range(excess: Array, quantity: Quantity, inside: Flags) -> tuple[str, Flags] | None:
     """Consecutive bins with the largest excess for their time, in words and as blocks; None if it is small."""
     bins, edges = _bins(quantity), _edges(quantity)
     many = len(edges) + 1

@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.records.signals.kernels import GaussianSmoother
 
-Array = NDArray[np.float64]
 CERTAIN_SIGN_SIGMAS = 5.0
 """The sign of a velocity below this number of standard deviations is uncertain [1]."""
 
@@ -26,7 +25,7 @@ class Rests:
         filters: of the equations; the second one takes the encoders' noise off the load of a resting joint.
     """
 
-    where: NDArray[np.bool_]
+    where: Flags
     filters: Filters
 
     @classmethod
@@ -45,7 +44,7 @@ class Rests:
         return np.where(self.where[:, j], self.filters.calmed(load), other) if self.where[:, j].any() else other
 
 
-def uncertain_sign(u: Array, sigma: float, kernel: GaussianSmoother) -> NDArray[np.bool_]:
+def uncertain_sign(u: Array, sigma: float, kernel: GaussianSmoother) -> Flags:
     """Samples (samples,) at which a filtered velocity may have either sign.
 
     Args:
@@ -59,24 +58,19 @@ def uncertain_sign(u: Array, sigma: float, kernel: GaussianSmoother) -> NDArray[
     return np.asarray(uncertain)
 
 
-def near(samples: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+def near(samples: Flags, reach: int) -> Flags:
     """Samples (samples,) that are at most `reach` from one of some samples."""
     return np.asarray(np.convolve(samples, np.ones(2 * reach + 1), "same") > 0.5)
 
 
-def long_runs(samples: NDArray[np.bool_], length: int) -> NDArray[np.bool_]:
+def long_runs(samples: Flags, length: int) -> Flags:
     """Those of some samples (samples,) that stand in a run of more than so many."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], samples, [False]]).astype(np.int8)))
-    kept = np.zeros_like(samples)
-    for first, last in edges.reshape(-1, 2).tolist():
-        kept[first:last] = last - first > length
-    return kept
+    from scipy.ndimage import binary_opening
+
+    return np.asarray(binary_opening(samples, np.ones(length + 1)))
 
 
-def borders(samples: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def borders(samples: Flags) -> Flags:
     """Samples (samples,) on both sides of each place where a run of some samples begins or ends."""
-    change = samples[1:] != samples[:-1]
-    found = np.zeros_like(samples)
-    found[1:] |= change
-    found[:-1] |= change
-    return found
+    change = np.diff(samples)
+    return np.asarray(np.pad(change, (1, 0)) | np.pad(change, (0, 1)))

@@ -5,31 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.diagnose.equations.mistakes import (
-    DEGREE,
-    EXPLAINED_SHARE,
-    SMALLEST_CHECKED_RATIO,
-    WOUND_SPRING_RATIO,
-    Match,
-    Mistake,
-    far,
-    fits,
-    liveliest,
-    match,
-    mistakes,
-    reach,
-    wanted_share,
-)
+from flexdyn.diagnose.equations.both_encoders import check_encoders
+from flexdyn.diagnose.equations.match import reach
+from flexdyn.diagnose.equations.units_and_signs import check_equations
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import file_numbers
 from flexdyn.simulation.plant import LinkSide
 
-Array = NDArray[np.float64]
 LEAST_MOVING_TIME = 1.5
 """Smallest time of motion in all recordings of the fit together [s]: three windows of 0.5 s."""
 SHORTEST_RECORDING = 0.5
@@ -42,23 +29,7 @@ LEAST_RATE = 20.0
 """Smallest rate [Hz]: below it accelerations of an arm cannot be seen, and the clock is probably in ms."""
 MOVING_SIGMAS = 10.0
 """A joint moves if the range of its positions exceeds this number of standard deviations of the encoder's noise [1]."""
-ENCODERS_ALIKE_SHARE = 0.9
-"""Smallest common share of the variance of the two encoders of a joint [1]."""
-DEAD_ENCODER_SHARE = 1e-3
-"""An encoder does not work if its range is below this share of the range of the joint's other one [1]."""
-POOR_VARIANCE_SHARE = 0.7
-"""Mistakes are searched if a model explains less of a torque's variance [1]."""
-LIVELIEST_LENGTH = 12.0
-"""Length of the part of a recording with the most motion, in which mistakes are searched [s]."""
-BETTER_BY_SHARE = 0.2
-"""The correction of a mistake of several joints must explain this additional share of each torque, or all of it [1]."""
-NOTED_VARIANCE_SHARE = 0.5
-"""If less than this share of a torque's variance is explained, there is a note [1]."""
-SIZE_WEIGHT = 0.1
-"""Penalty in explained share for torques of the wrong size, for a factor of e [1]."""
 UNCHECKED = "Units and signs of the torques were not checked, as numbers of the model are not known."
-BELIEVED_RATIO = 5.0
-"""A mistake is accepted only if its correction reduces the unexplained share by this factor [1]."""
 
 
 def check_recordings(model: FlexibleJointModel, data: tuple[Measured, ...]) -> tuple[str, ...]:
@@ -80,13 +51,13 @@ def check_recordings(model: FlexibleJointModel, data: tuple[Measured, ...]) -> t
     true = model.resolved()
     for each in data:
         _check_clock(each)
-        _check_encoders(true, each)
+        check_encoders(true, each)
     _check_torques(true, data)
     _check_motion(true, data)
     if any(number.is_open for number in file_numbers(model)):
         return (UNCHECKED, *_passive(true, data))
     links = LinkSide(true)
-    notes = [note for each in data for note in _check_equations(true, links, each)]
+    notes = [note for each in data for note in check_equations(true, links, each)]
     return (*notes, *_passive(true, data))
 
 
@@ -125,9 +96,7 @@ def _check_motion(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
             raise InputError(problem, file=data[0].name, key=f"{signal}.{joint}", value=value, remedy=remedy)
     moving = sum(_moving_time(each, signals, noise) for each in data)
     if moving < LEAST_MOVING_TIME:
-        problem = "hardly anything moves in the recording"
-        if len(data) > 1:
-            problem = "hardly anything moves in the recordings"
+        problem = f"hardly anything moves in the recording{'s' if len(data) > 1 else ''}"
         raise InputError(problem, file=data[0].name, key="t", value=f"{moving:.2g} s of motion", remedy=REMEDY)
 
 
@@ -148,139 +117,6 @@ def _moving_time(data: Measured, signals: Sequence[str], noise: Sequence[Array])
         spread = x.max(axis=1) - x.min(axis=1)
         moves |= spread > MOVING_SIGMAS * float(noise[signal == "theta"][j])
     return float(moves.sum()) * width * data.dt
-
-
-def _check_encoders(model: FlexibleJointModel, data: Measured) -> None:
-    """Check that both positions of a joint are nearly the same: deflections are small.
-
-    If friction or the motor holds one side of a joint, the other side may move by the deflection alone.
-    """
-    both = np.flatnonzero(data.both)
-    for j in both:
-        joint = model.joint_names[j]
-        wound = WOUND_SPRING_RATIO * float(np.abs(data.tau[:, j]).max()) / float(model.stiffness[j])
-        if max(np.ptp(data.q[:, j]), np.ptp(data.theta[:, j])) <= wound:
-            continue
-        for dead, alive in (("q", "theta"), ("theta", "q")):
-            x, y = getattr(data, dead)[:, j], getattr(data, alive)[:, j]
-            if np.ptp(x) < DEAD_ENCODER_SHARE * np.ptp(y):
-                problem, remedy = f"it rests while {alive}.{joint} moves", f"leave out {dead}.{joint}"
-                value = f"a range of {np.ptp(x):.2g} against {np.ptp(y):.2g}"
-                raise InputError(problem, file=data.name, key=f"{dead}.{joint}", value=value, remedy=remedy)
-        slope, share = _line(data.q[:, j], data.theta[:, j])
-        if share > ENCODERS_ALIKE_SHARE and 0.5 < slope < 2.0:
-            continue
-        for factor, problem, remedy in sorted(_looks(model, int(j)), key=lambda look: abs(slope / look[0] - 1.0)):
-            if share > EXPLAINED_SHARE and 0.8 < slope / factor < 1.25:
-                value = f"theta = {slope:.4g} q"
-                raise InputError(problem, file=data.name, key=f"theta.{joint}", value=value, remedy=remedy)
-        for i in both:
-            other, alike = _line(data.q[:, i], data.theta[:, j])
-            if i != j and share < ENCODERS_ALIKE_SHARE and alike > 0.99 and 0.8 < abs(other) < 1.25:
-                there = model.joint_names[i]
-                problem = f"theta follows the q of {there}, and not that of its own joint"
-                remedy = f"exchange theta.{joint} and theta.{there}, or their q"
-                value = f"correlation {np.sqrt(alike):.3f} against {np.sqrt(share):.3f}"
-                raise InputError(problem, file=data.name, key=f"theta.{joint}", value=value, remedy=remedy)
-
-
-def _looks(model: FlexibleJointModel, j: int) -> list[tuple[float, str, str]]:
-    """Slopes of theta over q for possible mistakes, with the mistake and the remedy."""
-    joint, ratio = model.joint_names[j], list(model.joints.values())[j].gear_ratio
-    small, unit = ("mm", 1e3) if model.robot.kinds[j] == "prismatic" else ("degrees", DEGREE)
-    looks = [
-        (-1.0, "theta and q have opposite signs", f"change the sign of theta.{joint} or q.{joint}"),
-        (unit, f"theta is in {small} and q is not", f"convert theta.{joint}"),
-        (1.0 / unit, f"q is in {small} and theta is not", f"convert q.{joint}"),
-    ]
-    if abs(ratio) <= SMALLEST_CHECKED_RATIO:
-        return looks
-    remedy = f"divide theta.{joint} by the gear ratio {ratio:g} (side: motor)"
-    turned = f"divide theta.{joint} by {-ratio:g}"
-    return [
-        (ratio, "theta is the motor's angle", remedy),
-        (-ratio, "theta is the motor's angle, flipped", turned),
-        *looks,
-    ]
-
-
-def _line(x: Array, y: Array) -> tuple[float, float]:
-    """Slope of y over x, and their common share of variance."""
-    dx, dy = x - x.mean(), y - y.mean()
-    xx, yy, xy = float(dx @ dx), float(dy @ dy), float(dx @ dy)
-    if xx == 0.0 or yy == 0.0:
-        return 0.0, 0.0
-    return xy / xx, xy * xy / (xx * yy)
-
-
-def _check_equations(model: FlexibleJointModel, links: LinkSide, data: Measured) -> Iterator[str]:
-    """Refuse the recording if the correction of one mistake explains the torques far better."""
-    seen = match(model, links, data)
-    poor = seen.says & (seen.plain < POOR_VARIANCE_SHARE)
-    if poor.any():
-        _check_mistakes(model, links, liveliest(data, LIVELIEST_LENGTH))
-    for j in np.flatnonzero(poor):
-        joint, gain, share = model.joint_names[j], float(seen.gain[j]), float(seen.share[j])
-        if share > EXPLAINED_SHARE and far(gain):
-            remedy = f"check the unit of tau.{joint} and the masses of the model"
-            problem = "the torque has the right shape and the wrong size"
-            value = f"{gain:.3g} times what the model needs"
-            raise InputError(problem, file=data.name, key=f"tau.{joint}", value=value, remedy=remedy)
-        if (share > NOTED_VARIANCE_SHARE and 0.5 < gain < 2.0) or data.forced[j]:  # a rig tests what models lack
-            continue
-        yield (
-            f"In {data.name or 'the recording'} the torque of {joint} follows what the model needs only loosely: at "
-            f"{gain:.2g} times it, with {100.0 * share:.0f} % of its variance."
-        )
-
-
-def _check_mistakes(model: FlexibleJointModel, links: LinkSide, data: Measured) -> None:
-    seen = match(model, links, data)
-    poor = seen.says & (seen.plain < POOR_VARIANCE_SHARE)
-    best: tuple[float, Mistake, Match] | None = None
-    for mistake in mistakes(model, seen) if poor.any() else ():
-        undone = match(model, links, mistake.undone(data))
-        merit = _merit(seen, undone, mistake, poor)
-        if merit is not None and mistake.of_units and not _beyond_springs(model, links, data, mistake):
-            continue
-        if merit is not None and (best is None or merit > best[0] + 0.02):
-            best = (merit, mistake, undone)
-    if best is not None:
-        raise _refused(data, model.joint_names, seen, *best[1:])
-
-
-def _beyond_springs(model: FlexibleJointModel, links: LinkSide, data: Measured, mistake: Mistake) -> bool:
-    """Whether another unit of the positions explains more than a missing spring would."""
-    sprung, undone = (match(model, links, each, springs=True) for each in (data, mistake.undone(data)))
-    return all(undone.says[j] and undone.share[j] > sprung.plain[j] + BETTER_BY_SHARE for j in mistake.joints)
-
-
-def _merit(seen: Match, undone: Match, mistake: Mistake, poor: NDArray[np.bool_]) -> float | None:
-    """Mean explained share after correcting a mistake, minus the penalty for the size; None if it is too small."""
-    known = seen.says | undone.says
-    now = np.where(fits(mistake, undone), undone.share, 0.0)
-    before = np.clip(seen.plain, 0.0, 1.0)
-    wanted = wanted_share(mistake, seen.gain)
-    healed = poor & (now >= wanted) & ((1.0 - now < (1.0 - before) / BELIEVED_RATIO) | (wanted < EXPLAINED_SHARE))
-    named = [j for j in mistake.joints if known[j]]
-    better = (now >= wanted) | (now > before + BETTER_BY_SHARE)
-    if not named or not healed[known].any() or not better[named].all() or (now < before - 0.1)[known].any():
-        return None
-    off = np.abs(np.log(np.maximum(np.abs(undone.gain[named]), 1e-9))).mean()
-    return float(now[known].mean() - SIZE_WEIGHT * off)
-
-
-def _refused(data: Measured, joints: Sequence[str], seen: Match, mistake: Mistake, undone: Match) -> InputError:
-    """The error for an accepted mistake; it names the joint for which the correction explains most."""
-    j = max(mistake.joints, key=lambda i: float(undone.share[i]) - max(float(seen.plain[i]), 0.0))
-    if mistake.of_torques:
-        j, value = mistake.joints[0], f"{seen.gain[mistake.joints[0]]:.3g} times what the model needs"
-    else:
-        before, after = 100.0 * max(float(seen.plain[j]), 0.0), 100.0 * float(undone.share[j])
-        value = f"{before:.0f} % of the torque explained as given, {after:.0f} % without the mistake"
-    moved = mistake.order != tuple(range(len(joints))) or any(factor != 1.0 for factor in mistake.scale)
-    signal = "tau" if not moved else "q" if data.has_q[j] else "theta"
-    return InputError(mistake.problem, file=data.name, key=f"{signal}.{joints[j]}", value=value, remedy=mistake.remedy)
 
 
 def _passive(model: FlexibleJointModel, data: Sequence[Measured]) -> Iterator[str]:

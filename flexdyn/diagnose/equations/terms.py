@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.motion import SmoothedMotion, hidden_links
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import (
@@ -20,8 +20,6 @@ from flexdyn.effects import (
 )
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot.axes import joint_row
-
-Array = NDArray[np.float64]
 
 
 def of_joint(effects: Iterable[Effect], joint: str) -> list[JointEffect]:
@@ -107,13 +105,15 @@ def spread_torques(effect: JointEffect, model: FlexibleJointModel, motion: Smoot
     return "motor", torques
 
 
-def _spread(effects: Sequence[Effect], model: FlexibleJointModel, motion: SmoothedMotion, j: int) -> dict[str, Array]:
-    """What effects that act on several axes do to one of them, by side (samples,)."""
+def _given(effects: Sequence[Effect], model: FlexibleJointModel, motion: SmoothedMotion, j: int) -> dict[str, Array]:
+    """Torques of a joint that are no friction, by side (samples,): on its link, and of effects on several axes."""
     found = {side: np.zeros(len(motion.t)) for side in ("motor", "link")}
     for effect in effects:
         if isinstance(effect, JointEffect) and spreads(effect, model):
             side, torques = spread_torques(effect, model, motion)
             found[side] += torques[:, j]
+        elif isinstance(effect, JointEffect) and effect.stage == "link" and model.index(effect.joint) == j:
+            found["link"] += own_torque(effect, model, motion)[1]
     return found
 
 
@@ -125,24 +125,15 @@ def adds_up(effect: JointEffect) -> bool:
 
 def own_torque(effect: JointEffect, model: FlexibleJointModel, motion: SmoothedMotion) -> tuple[str, Array]:
     """Side of an additive effect, and its torque (samples,) on the right side of that side's equation."""
-    j = model.index(effect.joint)
+    j, side = model.index(effect.joint), "link" if effect.stage == "link" else str(effect.side)
+    x, u = (motion.q[:, j], motion.v[:, j]) if side == "link" else (motion.theta[:, j], motion.omega[:, j])
     if effect.stage == "link":
-        return "link", effect.torque(motion.q[:, j], motion.v[:, j], t=motion.t)
-    x, u = (motion.q, motion.v) if effect.side == "link" else (motion.theta, motion.omega)
+        return side, effect.torque(x, u, t=motion.t)
     if isinstance(effect, MemoryEffect):
-        return str(effect.side), -effect.along(x[:, j], u[:, j])
+        return side, -effect.along(x, u)
     if isinstance(effect, JointCoupling):
-        return str(effect.side), -effect.torque(x[:, j], motion.omega[:, model.index(effect.other)])
-    return str(effect.side), -torque_of(effect, x[:, j], u[:, j], t=motion.t, tau=motion.tau[:, j])
-
-
-def link_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array:
-    """Torques on the link's right side (samples,): parallel springs, counterbalances, end stops."""
-    total = np.zeros(len(motion.t))
-    for effect in effects:
-        if effect.stage == "link":
-            total += effect.torque(motion.q[:, j], motion.v[:, j], t=motion.t)
-    return total
+        return side, -effect.torque(x, motion.omega[:, model.index(effect.other)])
+    return side, -torque_of(effect, x, u, t=motion.t, tau=motion.tau[:, j])
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,10 +155,9 @@ class Terms:
 def joint_terms(model: FlexibleJointModel, effects: Sequence[Effect], motion: SmoothedMotion, j: int) -> Terms:
     """The torques on a joint's rotor and link along a motion."""
     acting = [each for each in of_joint(effects, model.joint_names[j]) if not spreads(each, model)]
-    spread = _spread(effects, model, motion, j)
-    motor = applied_torque(acting, motion, j) + spread["motor"]
-    link = link_torque(acting, motion, j) + spread["link"]
-    link = link - friction_torque(acting, model, motion, j, "link", np.zeros(len(motion.t)))
+    given = _given(effects, model, motion, j)
+    motor = applied_torque(acting, motion, j) + given["motor"]
+    link = given["link"] - friction_torque(acting, model, motion, j, "link", np.zeros(len(motion.t)))
     carried = motion.inverse_dynamics[:, j] - link
     if model.elastic[j]:
         both = spring_torque(model, acting, motion, j)

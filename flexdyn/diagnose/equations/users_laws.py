@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.effects import Effect
 from flexdyn.errors import InputError
 
-Array = NDArray[np.float64]
 TRIED = 5
 """Number of samples at which a law must give the same result for arrays and for single numbers."""
 

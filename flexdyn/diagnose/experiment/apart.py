@@ -10,17 +10,15 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.diagnose.equations import columns
-from flexdyn.diagnose.equations.covariance import SampleNoise, whitener
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.equations.mask import sign_mask
-from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import linearised
+from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.simulated.window_fit import slopes
-from flexdyn.effects import Payload, SensorOffset
+from flexdyn.effects import Payload
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber
 
@@ -117,10 +115,7 @@ def space_along(
         load: that the arm carries.
     """
     along = Equations(loaded(space.equations.model, load), (run,), space.equations.filters)
-    whiten = whitener(along, noise, sign_mask(along, noise))
-    counts = [columns.of_effect(along, SensorOffset(name, offset=1e-6), 1e-6) for name in space.channels]
-    slopes, nuisance = whiten(number_columns.of_numbers(along, list(numbers))), whiten(np.stack(counts, axis=1))
-    return dataclasses.replace(space, equations=along, whiten=whiten, numbers=slopes, nuisance=nuisance)
+    return dataclasses.replace(weighed(Unweighted.of(along, numbers), noise), beliefs=space.beliefs)
 
 
 def refitted(known: Known, space: Workspace, load: Payload | None = None, steps: int = NEW_MOTION_STEPS) -> Refit:

@@ -56,9 +56,8 @@ def _by_equations(made: Rehearsal, passes: int) -> tuple[Array, Array, Array, st
     t, place, left, noise = _averaged(space.equations, space.whiten, white)
     of, kind = space.equations.kinds[place]
     model = space.equations.true
-    unit = {"rad": "N m", "m": "N"}[model.robot.angle_unit(of)]
     side = {"motor": "on the rotor of ", "link": "on the link of "}.get(kind, "")
-    return t, left, noise, f"torque {side}{model.joint_names[of]} [{unit}]"
+    return t, left, noise, f"torque {side}{model.joint_names[of]} [{model.robot.torque_unit(of)}]"
 
 
 def _by_windows(made: Rehearsal, bench: RehearsalBench) -> tuple[Array, Array, Array, str]:

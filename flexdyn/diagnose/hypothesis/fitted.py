@@ -93,10 +93,8 @@ class Fit:
         return spread
 
     def _spread_of(self, regression: Regression) -> Array:
-        filters, kinds = self.equations.filters, self.equations.kinds
-        block = self.block or max(1, round(CORRELATION_BLOCK / (filters.every * self.equations.data[0].dt))) * len(
-            kinds
-        )
+        seconds = self.equations.filters.every * self.equations.data[0].dt
+        block = self.block or max(1, round(CORRELATION_BLOCK / seconds)) * len(self.equations.kinds)
         both = (regression.covariance, regression.sandwich(block))
         return np.asarray(np.sqrt(max(1.0, self.reduced) * np.maximum(*(np.diag(each) for each in both))))
 

@@ -42,26 +42,18 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
     unknowns = hypothesis.unknowns()
     scales = tuple(tangent_scale(effect, name) for effect, name in unknowns)
     taken = None if before is None else before.taken or before.hypothesis
-    known = None
-    if before is not None and taken is not None and _near(hypothesis, taken):
-        known = before.regression.X[:, : len(hypothesis.factors)]
-    else:
-        taken = None
+    near = before if taken is not None and _near(hypothesis, taken) else None
+    known = None if near is None else near.regression.X[:, : len(hypothesis.factors)]
     with SILENT():
         y, X = _rows(hypothesis, at, space, scales, known)
         finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
     if not finite:
         raise SimulationError("the equations are not finite along the measured motion", reason="overflow")
+    nuisances = space.nuisance.shape[1]
     centre, sigma = priors(hypothesis, space)
-    regression = Regression(
-        y=y,
-        X=X,
-        centre=np.concatenate([centre, np.zeros(space.nuisance.shape[1])]),
-        sigma=np.concatenate([sigma, space.nuisance_sigma]),
-        rows=space.rows,
-        nuisances=space.nuisance.shape[1],
-    )
-    return within_bounds(Fit(hypothesis, at, regression, space, scales, taken=taken))
+    centre, sigma = np.append(centre, np.zeros(nuisances)), np.append(sigma, space.nuisance_sigma)
+    regression = Regression(y, X, centre, sigma, space.rows, nuisances)
+    return within_bounds(Fit(hypothesis, at, regression, space, scales, taken=taken if near else None))
 
 
 def within_bounds(made: Fit) -> Fit:

@@ -9,7 +9,8 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.equations.columns import is_loaded, of_change, on_joint, stands_alone
-from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.equations import Equations, Torques
+from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import spreads
 from flexdyn.effects import JointEffect
 from flexdyn.effects.model_error import effect_place
@@ -31,8 +32,7 @@ def of_numbers(equations: Equations, numbers: Sequence[FileNumber]) -> Array:
     """
     found = np.empty((len(equations.residual), len(numbers)))
     links = [k for k, number in enumerate(numbers) if number.joint is None]
-    if equations.replayed.any():  # links that are simulated move otherwise
-        links = []
+    links = [] if equations.replayed.any() else links  # links that are simulated move otherwise
     if links:
         heavier = [LinkSide(_heavier(equations.true, numbers[k])) for k in links]
         found[:, links] = equations.of_links(heavier) / RELATIVE_NUMBER_STEP
@@ -56,38 +56,31 @@ def _heavier(true: FlexibleJointModel, number: FileNumber) -> FlexibleJointModel
 
 def _of_joint(equations: Equations, number: FileNumber) -> Array:
     """Derivative of the residual (rows,) by the factor of a joint's number."""
-    true = equations.true
-    effect = _true_effect(equations, number)
-    if number.joint is None or (effect is not None and spreads(effect, true)):
-        return _of_all(equations, number)
-    j = true.index(str(number.joint))
-    if effect is not None and stands_alone(equations, effect):
-        more = (1.0 + RELATIVE_NUMBER_STEP) * getattr(effect, number.parameter)
-        return of_change(equations, effect, effect.replace(**{number.parameter: more})) / RELATIVE_NUMBER_STEP
-    if equations.replayed[j] and number.parameter != "rotor_inertia" and number.parameter not in OF_MOTOR:
-        return _of_all(equations, number)
+    true, effect, name = equations.true, _true_effect(equations, number), number.parameter
+    spread = effect is not None and spreads(effect, true)
+    if effect is not None and not spread and stands_alone(equations, effect):
+        more = effect.replace(**{name: (1.0 + RELATIVE_NUMBER_STEP) * getattr(effect, name)})
+        return of_change(equations, effect, more) / RELATIVE_NUMBER_STEP
+    effects = [*equations.model.effects, number.error(1.0 + RELATIVE_NUMBER_STEP)]
+    j = None if number.joint is None or spread else true.index(number.joint)
+    # The scale of the link's or motor's equation changes with a stiffness, and with a motor's numbers.
+    if j is None or name in ("stiffness", *OF_MOTOR) or (equations.replayed[j] and name != "rotor_inertia"):
+        return equations.change(effects) / RELATIVE_NUMBER_STEP
     if number.joint == number.of and not (equations.made_up[j] or is_loaded(equations, j)) and true.elastic[j]:
-        if number.parameter == "rotor_inertia":
+        if name == "rotor_inertia":
             return equations.of_torque(j, lambda along: ("motor", -true.rotor_inertia[j] * along.alpha[:, j]))
-        if number.parameter == "damping":
-            return equations.of_damper(j)
-    # The scale of the link's or motor's equation changes with it.
-    if number.parameter in ("stiffness", *OF_MOTOR):
-        return _of_all(equations, number)
-    moved = _moved(equations, number).resolved()
-    if number.parameter == "rotor_inertia" and not true.elastic[j]:
+        if name == "damping":
+            return equations.of_terms(j, lambda along: _damper(true, along, j))
+    moved = equations.model.replace(effects=effects).resolved()
+    if name == "rotor_inertia" and not true.elastic[j]:
         return equations.of_links([LinkSide(moved)])[:, 0] / RELATIVE_NUMBER_STEP
     return (equations.of_joint(j, moved, moved.all_effects) - equations.own(j)) / RELATIVE_NUMBER_STEP
 
 
-def _of_all(equations: Equations, number: FileNumber) -> Array:
-    """Derivative of the residual (rows,) by the factor of a number, with all equations computed again."""
-    return (equations.of(_moved(equations, number)).residual - equations.residual) / RELATIVE_NUMBER_STEP
-
-
-def _moved(equations: Equations, number: FileNumber) -> FlexibleJointModel:
-    """The model with a slightly larger number."""
-    return equations.model.replace(effects=[*equations.model.effects, number.error(1.0 + RELATIVE_NUMBER_STEP)])
+def _damper(true: FlexibleJointModel, along: SmoothedMotion, j: int) -> Torques:
+    """The torques of the damper of an elastic joint."""
+    torque = true.damping[j] * along.ddelta[:, j]
+    return -torque, torque, -torque
 
 
 def _true_effect(equations: Equations, number: FileNumber) -> JointEffect | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +22,7 @@ from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.effects import SensorOffset
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.uncertain_parameters import file_numbers, with_factors
+from flexdyn.model.uncertain_parameters import FileNumber, file_numbers, with_factors
 
 MANY = 200.0
 """A wider filter is used only if recordings are longer than this multiple of it [1]."""
@@ -44,14 +45,13 @@ class Unweighted:
     channels: tuple[str, ...]
 
     @classmethod
-    def of(cls, equations: Equations, start: Hypothesis) -> Unweighted:
-        """Slopes by the numbers of a hypothesis."""
+    def of(cls, equations: Equations, numbers: Iterable[FileNumber]) -> Unweighted:
+        """Slopes by these numbers of the file."""
         data, joints = equations.data[0], equations.true.joint_names
         there = {"q": data.has_q, "theta": data.has_theta}
         channels = tuple(f"{signal}.{joint}" for j, joint in enumerate(joints) for signal in there if there[signal][j])
-        numbers = number_columns.of_numbers(equations, list(start.factors))
         offsets = [columns.of_effect(equations, SensorOffset(name, offset=1e-6), 1e-6) for name in channels]
-        return cls(equations, numbers, np.stack(offsets, axis=1), channels)
+        return cls(equations, number_columns.of_numbers(equations, list(numbers)), np.stack(offsets, axis=1), channels)
 
 
 def prepared(
@@ -64,10 +64,10 @@ def prepared(
     """
     start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
     noise = recorded_noise(data)
-    bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), start)
+    bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), start.factors)
     used = ~sign_mask(bare.equations, noise).reshape(-1, len(bare.equations.kinds))
     if used.sum(axis=0).min() < len(start.factors):  # sweeps of single joints: some equation cannot tell the numbers
-        bare = Unweighted.of(dataclasses.replace(bare.equations, quasi_static=True), start)
+        bare = Unweighted.of(dataclasses.replace(bare.equations, quasi_static=True), start.factors)
     if sign_mask(bare.equations, noise).all():
         problem = "joints rest, or may rest, so often that no equation can be used"
         remedy = "let all joints move at once for seconds: while one sticks, its friction torque is unknown"

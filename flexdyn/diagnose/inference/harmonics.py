@@ -8,7 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.diagnose.equations.equations import LINK, SENSOR, Equations
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.layout import LINK, SENSOR
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.inference.autoregression import Autoregression
 from flexdyn.effects import registered

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.equations.columns import of_parameter
 from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener
-from flexdyn.diagnose.equations.equations import MOTOR, TOTAL, TRANSMISSION, Equations
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.layout import MOTOR, TOTAL, TRANSMISSION
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, kind_and_place
 from flexdyn.diagnose.hypothesis.linear import tangent_scale

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
 
 from flexdyn.diagnose.report.measures import Calibration
-from flexdyn.diagnose.report.suspects import CONFIDENCE, Number
+from flexdyn.diagnose.report.suspects import Number
 from flexdyn.effects import unit_for
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -27,23 +25,6 @@ UNITS = {
     "resistance": ("ohm", "ohm"),
 }
 """Of a joint's numbers, where it turns and where it slides."""
-EDGE = 3.2
-"""Half the width of a number's picture, in tolerances."""
-
-
-def farthest_first(entries: Sequence[Calibration]) -> list[Calibration]:
-    """Those that moved farthest first."""
-    return sorted(entries, key=_displacement, reverse=True)
-
-
-def beyond_tolerance(entries: Sequence[Calibration]) -> int:
-    """How many moved farther than a number may that is calibrated."""
-    return sum(_displacement(entry) > LIMIT for entry in entries)
-
-
-def _displacement(entry: Calibration) -> float:
-    size = abs(entry.factor - 1.0) / entry.tolerance if entry.tolerance > 0.0 else abs(entry.factor - 1.0)
-    return size if math.isfinite(size) else 0.0
 
 
 def estimate(model: FlexibleJointModel, entry: Calibration) -> Number:
@@ -85,18 +66,3 @@ def _number_of(model: FlexibleJointModel, of: str, parameter: str) -> tuple[floa
     if of in model.links and parameter == "link_inertia":
         return model.links[of].value, UNITS["rotor_inertia"][0]
     return math.nan, FACTOR
-
-
-def drift(entry: Calibration) -> dict[str, Any] | None:
-    """A number's picture, 200 wide: a dot with its interval on an axis from -3 to 3 tolerances, with ticks at each."""
-    if not (entry.tolerance > 0.0 and math.isfinite(entry.factor)):
-        return None
-    centre = (entry.factor - 1.0) / entry.tolerance
-    half = CONFIDENCE * entry.std / entry.tolerance if math.isfinite(entry.std) else 0.0
-    places = {"low": centre - half, "middle": centre, "high": centre + half}
-    return {"centre": centre, "ticks": [*map(_place, range(-3, 4))], **{key: _place(x) for key, x in places.items()}}
-
-
-def _place(tolerances: float) -> str:
-    """Place of a change in the picture."""
-    return f"{100.0 + 100.0 / EDGE * min(max(tolerances, -EDGE), EDGE):.1f}"

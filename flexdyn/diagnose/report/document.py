@@ -9,7 +9,7 @@ from flexdyn.diagnose.report.calibrated import estimate
 from flexdyn.diagnose.report.measures import JointError, RecordingSpan, SignalError, Statistics
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import model_sentence, stopped_sentence
-from flexdyn.diagnose.report.suspects import Finding, Number, Suspect
+from flexdyn.diagnose.report.suspects import Considered, Finding, Number, Suspect
 from flexdyn.io.json_text import json_text
 from flexdyn.io.locked import thawed
 
@@ -26,20 +26,13 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
         "verdict": diagnosis.verdict,
         "stopped_at": diagnosis.stopped_at or None,
         "findings": [_finding(entry) for entry in diagnosis.findings],
-        "calibration": [
-            {**vars(entry), "estimate": _number(estimate(diagnosis.model, entry))} for entry in diagnosis.calibration
-        ],
+        "calibration": [{**vars(e), "estimate": _number(estimate(diagnosis.model, e))} for e in diagnosis.calibration],
         "gap": {"fit": _fields(diagnosis.gap_fit), "test": _fields(diagnosis.gap_test)},
         "errors": {joint: _error(entry) for joint, entry in diagnosis.errors.items()},
         "where": [_fields(entry) for entry in diagnosis.where],
         "left": [_fields(entry) for entry in diagnosis.left],
-        "structures": [
-            {**vars(each), "effects": [_suspect(own) for own in each.effects]} for each in diagnosis.structures
-        ],
-        "considered": [
-            _suspect(entry.suspect) | {key: value for key, value in vars(entry).items() if key != "suspect"}
-            for entry in diagnosis.considered[:CONSIDERED]
-        ],
+        "structures": [{**vars(each), "effects": [*map(_suspect, each.effects)]} for each in diagnosis.structures],
+        "considered": [_considered(entry) for entry in diagnosis.considered[:CONSIDERED]],
         "data": [_span(entry) for entry in diagnosis.data],
         "notes": [*told, *diagnosis.notes],
         "seconds": diagnosis.seconds,
@@ -60,8 +53,8 @@ def _fields(entry: Any) -> dict[str, Any] | None:
 
 
 def _span(entry: RecordingSpan) -> dict[str, Any]:
-    ends = {"from": entry.start, "to": entry.end}
-    return ends | {key: value for key, value in thawed(asdict(entry)).items() if key not in ("start", "end")}
+    whole = thawed(asdict(entry))
+    return {"from": whole.pop("start"), "to": whole.pop("end"), **whole}
 
 
 def _finding(entry: Finding) -> dict[str, Any]:
@@ -74,6 +67,10 @@ def _finding(entry: Finding) -> dict[str, Any]:
     }
 
 
+def _considered(entry: Considered) -> dict[str, Any]:
+    return _suspect(entry.suspect) | {key: value for key, value in vars(entry).items() if key != "suspect"}
+
+
 def _number(number: Number) -> dict[str, Any]:
     return {"value": number.value, "std": number.std, "interval": list(number.interval), "unit": number.unit}
 
@@ -84,18 +81,16 @@ def _suspect(entry: Suspect) -> dict[str, Any]:
 
 
 def _error(entry: JointError) -> dict[str, Any]:
-    return {
-        "torque": _signal(entry.torque),
-        "position": _signal(entry.position),
-        "force": None if entry.force is None else _signal(entry.force),
-        "gap": dict(zip(("before", "calibrated", "after"), entry.gap, strict=True)) if entry.gap else None,
-    }
+    signals = {name: _signal(getattr(entry, name)) for name in ("torque", "position", "force")}
+    return {**signals, "gap": dict(zip(("before", "calibrated", "after"), entry.gap, strict=False)) or None}
 
 
 def _statistics(entry: Statistics) -> dict[str, Any]:
     return {**vars(entry), "correlations": [{"of": pair, "value": value} for *pair, value in entry.correlations]}
 
 
-def _signal(entry: SignalError) -> dict[str, Any]:
+def _signal(entry: SignalError | None) -> dict[str, Any] | None:
+    if entry is None:
+        return None
     shares = ("share_before", "share_after") if entry.size else ()
     return {name: getattr(entry, name) for name in ("before", "calibrated", "after", "unit", *shares)}

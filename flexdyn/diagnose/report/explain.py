@@ -10,11 +10,11 @@ from typing import Any
 from flexdyn.diagnose.report import digits, words
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.result import Diagnosis
+from flexdyn.diagnose.report.sentences import told
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Key, Suspect, ranks
 from flexdyn.diagnose.report.words import is_number
 from flexdyn.effects import SensorEffect, catalogue
 from flexdyn.errors import InputError, did_you_mean
-from flexdyn.io.text import fill
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 RANKS_LISTED = 5
@@ -33,18 +33,14 @@ def explanation(diagnosis: Diagnosis, target: str) -> str:
     Raises:
         InputError: no such effect, or no such place.
     """
-    text = fill(
-        "diagnose/report/explain.txt",
-        **{**vars(digits), **vars(words)},
-        diagnosis=diagnosis,
-        model=diagnosis.model,
+    return told(
+        "explain",
+        diagnosis,
         target=target,
         found=[_facts(diagnosis, each) for each in resolved(diagnosis, target)],
-        isnan=math.isnan,
         ESTABLISHED=ESTABLISHED,
         RANKS_LISTED=RANKS_LISTED,
     )
-    return text.rstrip("\n")
 
 
 def _facts(diagnosis: Diagnosis, suspect: Suspect) -> dict[str, Any]:

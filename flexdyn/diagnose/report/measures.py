@@ -38,6 +38,12 @@ class Calibration:
         """Whether it was not known, see `FileNumber.is_open`."""
         return self.tolerance >= UNKNOWN_TOLERANCE
 
+    @property
+    def displacement(self) -> float:
+        """How far it moved, in tolerances, or as a share of a number that has none; 0 if that is unknown [1]."""
+        size = abs(self.factor - 1.0) / (self.tolerance if self.tolerance > 0.0 else 1.0)
+        return size if math.isfinite(size) else 0.0
+
 
 @dataclass(frozen=True)
 class Gap:

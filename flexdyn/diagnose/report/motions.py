@@ -4,19 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from flexdyn.diagnose.report.pictures import AFTER, AXIS, BEFORE, CONFIG, page_layout, titled
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.trace import MODELS, MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed
-from flexdyn.plots.palette import INK
+from flexdyn.diagnose.report.trace import MOST_TRAJECTORY_POINTS, Trajectory, packed
 
-BETWEEN = "#9CA3AF"
-"""Of the calibrated model; page.css has the same."""
-# Not simplified by Plotly: it would choose points for the whole span, and a window would show straight pieces.
-LINES = (
-    {"color": BEFORE, "width": 1.6, "simplify": False},
-    {"color": BETWEEN, "width": 1.4, "dash": "dot", "simplify": False},
-    {"color": AFTER, "width": 1.6, "simplify": False},
-)
 DRAWN_WINDOW_LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 30.0)
 """Lengths of the drawn window to choose from [s]."""
 FIRST_LENGTH = 2.0
@@ -49,72 +39,11 @@ def motion_figures(diagnosis: Diagnosis) -> list[dict[str, Any]]:
 
 
 def _figure(trajectory: Trajectory) -> dict[str, Any]:
-    """Position, its error, torque and its error, one below the other over one time."""
+    """Position and torque over one time: of each the time, what was measured, and the errors of the models."""
     curves = [each for each in (trajectory.position, trajectory.torque) if each is not None]
-    columns: list[dict[str, Any]] = []
-    data: list[dict[str, Any]] = []
-    layout = _layout(2 * len(curves))
-    for k, curve in enumerate(curves):
-        data += _lines(curve, 2 * k, len(columns))
-        columns += [packed(curve.t, CLOCK), *map(packed, (curve.measured, *curve.errors))]
-        unit = curve.label[curve.label.find("[") :]
-        for row, title in ((2 * k, curve.label), (2 * k + 1, f"error {unit}")):
-            layout[_axis(row)]["title"] = titled(title)
-    return {
-        "joint": trajectory.joint,
-        "span": _span(trajectory),
-        "reach": list(_reach(trajectory)),
-        "columns": columns,
-        "data": data,
-        "layout": layout,
-        "config": CONFIG,
-    }
-
-
-def _lines(curve: MeasuredCurve, row: int, first: int) -> list[dict[str, Any]]:
-    """What was measured, the models with it, and their errors below; each is in the legend once.
-
-    Args:
-        curve: to be drawn.
-        row: of its axes.
-        first: place of its time among the figure's columns; what was measured and the errors follow.
-    """
-    line: dict[str, Any] = {"type": "scatter", "mode": "lines", "x": first, "hovertemplate": "%{x:.4f} s, %{y:.5g}"}
-    up, below = ({"yaxis": f"y{k + 1}" if k else "y"} for k in (row, row + 1))
-    told = {"showlegend": row == 0}
-    own: dict[str, Any] = {
-        "name": "measured",
-        "legendgroup": "measured",
-        "line": {"color": INK, "width": 3.4, "simplify": False},
-    }
-    data = [{**line, **up, **told, **own, "y": first + 1}]
-    for k, (name, style) in enumerate(zip(MODELS, LINES, strict=True)):
-        own = {"name": name, "legendgroup": name, "line": style, "y": first + 2 + k}
-        data += [{**line, **up, **told, **own, "onto": first + 1}, {**line, **below, **own, "showlegend": False}]
-    return data
-
-
-def _layout(rows: int) -> dict[str, Any]:
-    """Axes one below the other: of each pair the upper one is the higher one."""
-    axis = {**AXIS, "automargin": False}
-    heights = [0.28, 0.15] * (rows // 2)
-    gap = 0.035
-    scale = (1.0 - gap * (rows - 1)) / sum(heights)
-    layout = page_layout(170 * rows, {"l": 86, "r": 10, "t": 30, "b": 44}) | {
-        "xaxis": {**axis, "anchor": f"y{rows}", "title": titled("t [s]")},
-        "legend": {"orientation": "h", "x": 0.0, "y": 1.0, "yanchor": "bottom"},
-        "dragmode": "zoom",
-    }
-    top = 1.0
-    for row, height in enumerate(heights):
-        bottom = top - height * scale
-        layout[_axis(row)] = {**axis, "domain": [max(bottom, 0.0), top], "zeroline": row % 2 == 1, "zerolinecolor": INK}
-        top = bottom - gap
-    return layout
-
-
-def _axis(row: int) -> str:
-    return f"yaxis{row + 1}" if row else "yaxis"
+    columns = [c for each in curves for c in (packed(each.t, CLOCK), *map(packed, (each.measured, *each.errors)))]
+    place = {"joint": trajectory.joint, "span": _span(trajectory), "reach": _reach(trajectory)}
+    return {"kind": "motion", **place, "columns": columns, "titles": [each.label for each in curves]}
 
 
 def _span(each: Trajectory) -> str:

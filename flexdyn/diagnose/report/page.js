@@ -1,4 +1,3 @@
-"use strict";
 // Pictures; everything else in the page is there without a script.
 const text = (name) => document.getElementById(name).textContent;
 const rooms = [...document.querySelectorAll("[data-picture]")];
@@ -16,16 +15,10 @@ function column(packed) {
   return packed.steps.map((step) => (step === null ? null : packed.unit * (level += step)));
 }
 
-const sum = (one, other) => one.map((x, k) => (x === null || other[k] === null ? null : x + other[k]));
-
 function draw(room, figure) {
-  const columns = figure.columns.map(column);
-  const data = figure.data.map((trace) => {
-    const y = columns[trace.y];
-    return { ...trace, x: columns[trace.x], y: "onto" in trace ? sum(y, columns[trace.onto]) : y };
-  });
-  room.style.height = `${figure.layout.height}px`;
-  return Plotly.react(room, data, figure.layout, figure.config);
+  const { data, layout } = picture(figure, figure.columns.map(column));
+  room.style.height = `${layout.height}px`;
+  return Plotly.react(room, data, layout, CONFIG);
 }
 
 // At once, which Plots.resize is not: the browser prints when its handlers have returned.

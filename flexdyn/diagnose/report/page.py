@@ -46,10 +46,6 @@ KNOWN = {
     if not name.startswith("_")
 }
 """What templates may call: all that these modules offer."""
-CORRELATIONS_OPEN = 10
-"""Number of correlations that are shown at once; the others open on a click."""
-NOISE_CHANNELS_OPEN = 4
-"""Number of channels whose noise is shown at once; more open on a click."""
 
 
 def page(diagnosis: Diagnosis) -> str:
@@ -66,7 +62,8 @@ def page(diagnosis: Diagnosis) -> str:
     figures = _figures(diagnosis)
     laws = [law_picture(finding.suspect, diagnosis.model) for finding in diagnosis.findings]
     # The script unpacks the library and runs it as an element of its own.
-    library, script = (get_plotlyjs() if figures else ""), Path(__file__).with_name("page.js").read_text("utf-8")
+    library = get_plotlyjs() if figures else ""
+    script = "".join(Path(__file__).with_name(f"{name}.js").read_text("utf-8") for name in ("looks", "page"))
     kind = "Interrupted diagnosis" if diagnosis.verdict == "interrupted" else "Diagnosis"
     return html.page(
         "diagnose/report/page.html",
@@ -92,8 +89,7 @@ def part(diagnosis: Diagnosis, name: str) -> str:
 def _known(diagnosis: Diagnosis, laws: Sequence[str | None]) -> dict[str, Any]:
     """All values of the templates."""
     own = {"CONSIDERED": CONSIDERED, "isfinite": math.isfinite, "isnan": math.isnan, "diagnosis": diagnosis}
-    limits = {"CORRELATIONS_OPEN": CORRELATIONS_OPEN, "NOISE_CHANNELS_OPEN": NOISE_CHANNELS_OPEN}
-    return {**KNOWN, **own, **limits, "model": diagnosis.model, "laws": laws}
+    return {**KNOWN, **own, "model": diagnosis.model, "laws": laws}
 
 
 def _figures(diagnosis: Diagnosis) -> dict[str, object]:

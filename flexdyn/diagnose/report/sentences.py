@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from flexdyn.diagnose.report import digits, words
 from flexdyn.diagnose.report.result import Diagnosis
@@ -15,11 +16,7 @@ FINDINGS_IN_ONE_SENTENCE = 2
 
 def finding_sentence(diagnosis: Diagnosis, finding: Finding) -> str:
     """A finding with its probability in words and numbers, and that of every name that it may have."""
-    phrase = words.capital(words.finding_phrase(diagnosis.model, finding, each=True))
-    together = "together " if finding.rivals else ""
-    how, said = digits.likely(finding.probability), digits.probability_text(finding.probability)
-    held = f"{how} ({together}probability {said})" if math.isfinite(finding.probability) else how
-    return f"{phrase}: {held}."
+    return told("finding", diagnosis, group=[finding])
 
 
 def finding_sentences(diagnosis: Diagnosis) -> list[str]:
@@ -28,55 +25,41 @@ def finding_sentences(diagnosis: Diagnosis) -> list[str]:
     for place, finding in enumerate(diagnosis.findings):
         kind = None if finding.rivals else words.kind_of(finding.suspect)
         groups.setdefault(kind or place, []).append(finding)
-    return [_together(diagnosis, group) for group in groups.values()]
-
-
-def _together(diagnosis: Diagnosis, group: list[Finding]) -> str:
-    """One effect at several joints: the least probable one sets the words."""
-    if len(group) == 1:
-        return finding_sentence(diagnosis, group[0])
-    least = min(finding.probability for finding in group)
-    said = digits.probability_text(least)
-    held = f"each {digits.likely(least)} (probability {said}{'' if ' ' in said else ' or more'})"
-    return f"{words.capital(words.joints_phrase([finding.suspect for finding in group]))}: {held}."
+    return [told("finding", diagnosis, group=group) for group in groups.values()]
 
 
 def gap_sentence(diagnosis: Diagnosis) -> str:
     """The gap in a line: on the test data where they were opened."""
-    gap, data = (diagnosis.gap_test, "test data") if diagnosis.gap_test else (diagnosis.gap_fit, "data of the fit")
-    if gap is None:
-        return "The gap was not measured." if diagnosis.verdict == "interrupted" else "The gap could not be measured."
-    moved = f"from {digits.times(gap.before)} to {digits.times(gap.after)}"
-    return f"On the {data}, the gap goes {moved}; noise alone makes {digits.times(gap.floor)}."
+    return told("gap", diagnosis)
 
 
 def error_sentence(diagnosis: Diagnosis) -> str:
     """The joint whose torque the given model explains worst, before and after; empty where nothing was measured."""
-    known = [
-        (joint, entry)
-        for joint, entry in diagnosis.errors.items()
-        if math.isfinite(entry.torque.share_before + entry.torque.share_after)
-    ]
-    if not known:
-        return ""
-    joint, entry = max(known, key=lambda each: each[1].torque.share_before)
-    worst = ", the joint with the greatest share before," if len(known) > 1 else ""
-    return (
-        f"At {joint}{worst} the torque error goes from {digits.rounded(entry.torque.before, 2)} to"
-        f" {digits.rounded(entry.torque.after, 2)} {entry.torque.unit}, from"
-        f" {digits.percent(entry.torque.share_before)} to"
-        f" {digits.percent(entry.torque.share_after)} of its torque."
-    )
+    errors = [(joint, entry.torque) for joint, entry in diagnosis.errors.items()]
+    errors = [each for each in errors if math.isfinite(each[1].share_before + each[1].share_after)]
+    return told("torque_error", diagnosis, errors=errors)
+
+
+def told(name: str, diagnosis: Diagnosis, **known: Any) -> str:
+    """What a template of text makes of a diagnosis.
+
+    Args:
+        name: of the template.
+        diagnosis: as it calls it; `model` is its model.
+        known: what else its names stand for, besides what `digits` and `words` offer.
+    """
+    own = {"diagnosis": diagnosis, "model": diagnosis.model, "isfinite": math.isfinite, "isnan": math.isnan}
+    offered = {**vars(digits), **vars(words), **own, **known}
+    return fill(f"diagnose/report/{name}.txt", **offered).rstrip("\n")
 
 
 def stopped_sentence(diagnosis: Diagnosis) -> str:
     """Which estimates did not converge; empty where all did."""
     if not diagnosis.stopped:
         return ""
-    names = words.joined(diagnosis.stopped)
-    if len(diagnosis.stopped) == 1:
-        return f"This estimate stopped before it had converged: {names}."
-    return f"These estimates stopped before they had converged: {names}."
+    one = len(diagnosis.stopped) == 1
+    which, it = ("This estimate", "it") if one else ("These estimates", "they")
+    return f"{which} stopped before {it} had converged: {words.joined(diagnosis.stopped)}."
 
 
 def model_sentence(diagnosis: Diagnosis) -> str:
@@ -86,21 +69,16 @@ def model_sentence(diagnosis: Diagnosis) -> str:
 
 def next_measurements(diagnosis: Diagnosis) -> list[str]:
     """What to measure next, one sentence each; empty if the answer needs no further data."""
-    wanted = list(
-        dict.fromkeys(words.capital(finding.experiment) for finding in diagnosis.findings if finding.experiment)
-    )
+    wanted = list(dict.fromkeys(words.capital(each.experiment) for each in diagnosis.findings if each.experiment))
     if diagnosis.verdict == "interrupted":
         wanted.insert(0, "Run the diagnosis to its end: it needs no new measurement.")
     if diagnosis.verdict in ("unexplained", "partly_explained"):
-        places = [(place.joint, place.regime) for place in diagnosis.where] or [
-            (each.joint, "") for each in diagnosis.left
+        places = [(e.joint, f" ({e.regime})" if e.regime not in ("", "everywhere") else "") for e in diagnosis.where]
+        wanted += [
+            f"More motion of {joint}{regime}, slower, with the other joints at rest: a law that no catalogue holds"
+            " shows best where nothing else moves."
+            for joint, regime in (places or [(each.joint, "") for each in diagnosis.left])[:2]
         ]
-        for joint, regime in places[:2]:
-            said = f" ({regime})" if regime not in ("", "everywhere") else ""
-            wanted.append(
-                f"More motion of {joint}{said}, slower, with the other joints at rest: a law that no catalogue"
-                " holds shows best where nothing else moves."
-            )
         wanted.append("The same motion again: what does not repeat is no law of the arm's state.")
     if diagnosis.gap_test is None and diagnosis.verdict != "interrupted":
         wanted.append("A second recording of another motion, to test the answer on data that no decision read.")
@@ -109,11 +87,9 @@ def next_measurements(diagnosis: Diagnosis) -> list[str]:
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """The verdict in a sentence or two; of many findings it names the first, of the greatest share."""
-    text = fill(
-        "diagnose/report/verdict.txt",
-        **{**vars(digits), **vars(words)},
-        diagnosis=diagnosis,
-        model=diagnosis.model,
+    return told(
+        "verdict",
+        diagnosis,
         firm=[finding for finding in diagnosis.findings if finding.established],
         moved=sum(abs(entry.factor - 1.0) > CONFIDENCE * entry.std for entry in diagnosis.calibration),
         weak=_most_probable(diagnosis),
@@ -123,7 +99,6 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
         ESTABLISHED=ESTABLISHED,
         FINDINGS_IN_ONE_SENTENCE=FINDINGS_IN_ONE_SENTENCE,
     )
-    return text.rstrip("\n")
 
 
 def _most_probable(diagnosis: Diagnosis) -> tuple[float, str] | None:

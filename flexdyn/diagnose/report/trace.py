@@ -15,8 +15,6 @@ from flexdyn.io.locked import Locked
 
 NARROW = 500
 """Slices of time whose extremes are drawn: such a picture is half as wide as the page."""
-MODELS = ("as given", "calibrated", "corrected")
-"""Models whose errors a curve holds."""
 MOST_LOOP_POINTS = 4000
 """Points of a loop of force that are drawn."""
 MOST_TRAJECTORY_POINTS = 6000
@@ -93,27 +91,15 @@ class MeasuredCurve(Locked):
     errors: Array
 
     def thinned(self, most: int) -> MeasuredCurve:
-        """At most so many points: of every slice of time the first one, and the extremes of what is drawn.
+        """At most so many points, which keep the outline of what is drawn, and those at which a line is open."""
+        from flexdyn.plots.thinning import outline
 
-        Points at which a line is open are kept besides.
-        """
-        count = len(self.t)
-        if count <= most:
+        if len(self.t) <= most:
             return self
-        drawn = np.stack([self.measured, self.errors[0], self.errors[2]])
-        open_ends = np.isnan(self.errors).any(axis=0)
-        edges = np.linspace(0, count, max(2, most // 9) + 1).astype(np.intp)[:-1]
-        pieces = [np.split(row, edges[1:]) for row in np.nan_to_num(drawn)]
-        kept: list[Any] = [
-            edges,
-            edges - 1,
-            np.flatnonzero(open_ends & ~np.roll(open_ends, 1))[: most // 9],
-            [count - 1],
-        ]
-        for row in pieces:
-            kept.append(edges + [int(piece.argmin()) for piece in row])
-            kept.append(edges + [int(piece.argmax()) for piece in row])
-        at = np.unique(np.clip(np.concatenate(kept), 0, count - 1)).astype(np.intp)
+        slices, is_open = max(2, most // 9), np.isnan(self.errors).any(axis=0)
+        opens = np.flatnonzero(is_open & ~np.roll(is_open, 1))[:slices]
+        drawn = np.nan_to_num(np.stack([self.measured, self.errors[0], self.errors[2]]))
+        at = np.union1d(outline(self.t, *drawn, slices=slices), opens)
         return MeasuredCurve(self.label, self.t[at], self.measured[at], self.errors[:, at])
 
 

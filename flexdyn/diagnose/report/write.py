@@ -87,8 +87,7 @@ def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:
     """
     model, links = _links_folded(model)
     of_urdf = [effect for effect in model.effects if _is_of_urdf(effect)]
-    inside = [replace(effect, factor=1.0) if _is_of_urdf(effect) else effect for effect in model.effects]
-    true = model.replace(effects=inside).resolved()
+    true = model.replace(effects=_without(model, of_urdf)).resolved()
     kept = [effect for effect in true.effects if not isinstance(effect, ParameterError)]
     tolerance = _tolerance(model)
     content = model_to_dict(true.replace(effects=kept, tolerance=tolerance), folder)
@@ -109,19 +108,16 @@ def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:
 
 def _links_folded(model: FlexibleJointModel) -> tuple[FlexibleJointModel, dict[str, Any]]:
     """The model without its own inertias of links, and the corrected values of these, which the URDF does not have."""
-    errors = [e for e in model.effects if isinstance(e, ParameterError)]
-    factors = _factors(errors, {"link_inertia": "inertia"})
-    true = {
-        link: {"inertia": factors.get(link, {}).get("inertia", 1.0) * number.value}
-        for link, number in model.links.items()
-    }
-    effects = [
-        replace(effect, factor=1.0)
-        if isinstance(effect, ParameterError) and effect.parameter == "link_inertia" and effect.of in true
-        else effect
-        for effect in model.effects
-    ]
-    return model.replace(effects=effects, links=None), true
+    errors = [e for e in model.effects if isinstance(e, ParameterError) and e.of in model.links]
+    errors = [e for e in errors if e.parameter == "link_inertia"]
+    factors = {link: number["inertia"] for link, number in _factors(errors, {"link_inertia": "inertia"}).items()}
+    true = {link: {"inertia": factors.get(link, 1.0) * number.value} for link, number in model.links.items()}
+    return model.replace(effects=_without(model, errors), links=None), true
+
+
+def _without(model: FlexibleJointModel, errors: Sequence[ParameterError]) -> list[Effect]:
+    """Effects of a model in which these errors are none, in their places."""
+    return [effect.replace(factor=1.0) if effect in errors else effect for effect in model.effects]
 
 
 def _is_of_urdf(effect: Effect) -> TypeGuard[ParameterError]:

@@ -158,8 +158,7 @@ class Matching:
 def bounded_residual(shooter: Shooter, motion: SimulatedWindows, used: Flags) -> Array:
     """Simulated - measured, bounded, also if the simulation failed."""
     windows = shooter.windows
-    measured = windows.measured
-    limit = 1.0 + FAILED_SAMPLE_ERROR * (np.nanmax(measured, axis=(0, 1)) - np.nanmin(measured, axis=(0, 1)))
+    limit = 1.0 + FAILED_SAMPLE_ERROR * windows.span
     with np.errstate(invalid="ignore", over="ignore"):
         difference = shooter.reported(motion) - shooter.measured
     reached = np.arange(windows.rows) < motion.written[:, None]

@@ -104,10 +104,8 @@ class Shooter:
         windows, n = self.windows, self.model.n
         count, rows = len(windows), windows.rows
         solver = core_settings(self._solver(x0, tight), MOST_EVALUATIONS)
-        motion = SimulatedWindows(
-            np.zeros((count, rows, n)), np.zeros((count, rows, n)), np.zeros((count, windows.blocks, self.size)),
-            np.zeros(count, np.int64),
-        )  # fmt: skip
+        q, theta, x = (np.zeros((count, *each)) for each in ((rows, n), (rows, n), (windows.blocks, self.size)))
+        motion = SimulatedWindows(q, theta, x, np.zeros(count, np.int64))
         motion = motion if others is None else others.part(np.arange(count))
         which = np.arange(count) if which is None else which
         for begin in range(0, len(which), AT_ONCE):
@@ -125,10 +123,8 @@ class Shooter:
         for place, w in enumerate(which.tolist()):
             times = self.windows.t[w] - self.windows.t[w, 0]
             command = _core.open_loop(self.signals[w])
-            arrays = [*out[place], z[place]]
-            span = float(times[-1])
-            start = np.ascontiguousarray(x0[w])
-            jobs.append(_core.job(self.plants[w], command, [], start, span, solver, times, arrays, None))
+            start, arrays = np.ascontiguousarray(x0[w]), [*out[place], z[place]]
+            jobs.append(_core.job(self.plants[w], command, [], start, float(times[-1]), solver, times, arrays, None))
         python = any(effect.is_python for effect in self.model.all_effects)
         reached = _simulated(jobs, out[:, 0], python=python)
         q, theta, v, omega = (out[:, k] for k in range(4))

@@ -26,6 +26,8 @@ DEFLECTION_SHIFTS = (-0.1, 0.1, -0.3, 0.3, -1.0, 1.0)
 holds the measured side, its linear response says nothing of the deflection."""
 START_BOUND_WIDTH = 5.0
 """The width of a first state's prior is this multiple of the smoothing error [1]: the window itself determines it."""
+UNMEASURED = (0.0, 0.0, 0.0, 0.1, 0.1, 0.0)
+"""Value, two derivatives, errors of value and rate, and whether it rests, where a channel was not recorded."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,22 +56,19 @@ def first_states(shooter: Shooter) -> Starts:
     the noise start with velocity 0, to the last bit. Internal states follow the measured path up to the start.
     """
     windows, model = shooter.windows, shooter.model
-    n, count = model.n, len(windows)
     found = {name: _around(shooter, name) for name in windows.channels}
-    q, theta, v, omega = (np.zeros((count, n)) for _ in range(4))
-    q_std, theta_std, v_std, omega_std = (np.zeros((count, n)) for _ in range(4))
-    bend, rests = np.zeros((count, n)), np.zeros((count, n), bool)
-    both = np.zeros(n, bool)
-    for j, joint in enumerate(model.joint_names):
-        link, rotor = found.get(f"q.{joint}"), found.get(f"theta.{joint}")
-        one, two = (rotor if link is None else link), (link if rotor is None else rotor)
-        if one is None or two is None:
-            v_std[:, j] = omega_std[:, j] = q_std[:, j] = theta_std[:, j] = 0.1
-            continue
-        both[j] = link is not None and rotor is not None
-        q[:, j], v[:, j], bend[:, j], q_std[:, j], v_std[:, j], link_rests = one.T
-        theta[:, j], omega[:, j], _, theta_std[:, j], omega_std[:, j], rotor_rests = two.T
-        rests[:, j] = (link_rests > 0) & (rotor_rests > 0)
+    nothing = np.tile(UNMEASURED, (len(windows), 1))
+
+    def side(own: str, other: str) -> Array:
+        """Columns of `_around` of one side of all joints (6, windows, n): as measured there, else on the other."""
+        both = ([f"{signal}.{joint}" for signal in (own, other)] for joint in model.joint_names)
+        tables = [next((found[name] for name in names if name in found), nothing) for names in both]
+        return np.array(tables).transpose(2, 1, 0).copy()
+
+    q, v, bend, q_std, v_std, link_rests = side("q", "theta")
+    theta, omega, _, theta_std, omega_std, rotor_rests = side("theta", "q")
+    rests = (link_rests > 0) & (rotor_rests > 0)
+    both = np.array([f"q.{joint}" in found and f"theta.{joint}" in found for joint in model.joint_names])
     delta = _wound(shooter, np.where(both, 0.5 * (q + theta), q), v, bend)
     sides: list[tuple[int, Array]] = []
     for j, joint in enumerate(model.joint_names):
@@ -108,7 +107,7 @@ def _around(shooter: Shooter, name: str) -> Array:
     """One channel at every start (windows, 6): value, two derivatives, errors of value and rate, whether it rests."""
     windows, effects = shooter.windows, sensors(shooter.model, name)
     noise, late = windows.sensor_noise[windows.channels.index(name)], lag(effects)
-    table = np.tile([0.0, 0.0, 0.0, 0.1, 0.1, 0.0], (len(windows), 1))  # where it was not recorded
+    table = np.tile(UNMEASURED, (len(windows), 1))
     for k, recording in enumerate(windows.recordings):
         mine = windows.places[:, 0] == k
         if mine.any() and name in recording:

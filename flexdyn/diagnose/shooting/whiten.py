@@ -70,13 +70,11 @@ class Filter(PerWindow):
             flow, push, response.seen, counted, R, np.ascontiguousarray(std), LARGEST_SLOPE,
             gain, first_gain, whitener, carried, doubt,
         )  # fmt: skip
-        most = (
-            EXCUSED_SHARE * (np.nanmax(windows.measured, axis=(0, 1)) - np.nanmin(windows.measured, axis=(0, 1)))
-        ) ** 2
+        most = (EXCUSED_SHARE * windows.span) ** 2
         left = carried - doubt
         variance = sensor + np.clip(left, 0.0, most)
         unfitted = sensor + np.minimum(carried, most)
-        wild = ((carried > most) | (left > most)).any(axis=(1, 2))
+        wild = np.asarray(((carried > most) | (left > most)).any(axis=(1, 2)))
         return cls(response, gain, first_gain, whitener, variance, unfitted, counted, windows.block, wild)
 
     def replaced(self, which: Index, other: Self) -> Self:

@@ -137,6 +137,11 @@ class Windows:
         ]
         return np.ascontiguousarray(np.array(stacks).transpose(0, 2, 1))
 
+    @lazy
+    def span(self) -> Array:
+        """Range of every channel over all windows (channels,)."""
+        return np.asarray(np.nanmax(self.measured, axis=(0, 1)) - np.nanmin(self.measured, axis=(0, 1)))
+
     @property
     def sensor_noise(self) -> Array:
         """Standard deviation of every channel (channels,); of a channel without noise, a tiny number."""

@@ -1,0 +1,179 @@
+"""Which equations a model has for what was measured, and how torques become their rows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.equations.motion import SmoothedMotion, hidden_links
+from flexdyn.diagnose.lazy import lazy
+from flexdyn.effects import TorqueConstantError
+from flexdyn.effects.motor import MotorTorque
+from flexdyn.model.flexible_joint_model import FlexibleJointModel
+
+MOTOR, LINK, TOTAL, TRANSMISSION, SENSOR = "motor", "link", "total", "transmission", "sensor"
+
+
+@dataclass(frozen=True, eq=False)
+class EquationLayout:
+    """The equations of a model for measured channels.
+
+    Rows of all recordings follow one another, time by time, and at each time stand the equations in the order of
+    `kinds`: the motor's and the link's of an elastic joint with both encoders, else the joint's total; the motor's
+    alone where a test rig moves the motor and the link behind it is simulated, not measured; on a rigid joint with
+    both encoders also theta = q, from the start on and whatever a model makes of the joint later [rad or m].
+
+    Attributes:
+        model: that has the equations.
+        data: the recordings, as measured.
+        filters: that every term passes.
+        stiffness: scale of the links' equations (n,) [N m/rad]; None: the model's own.
+    """
+
+    model: FlexibleJointModel
+    data: tuple[Measured, ...]
+    filters: Filters
+    stiffness: Array | None = None
+
+    @lazy
+    def true(self) -> FlexibleJointModel:
+        """The model with parameter errors and elasticities applied."""
+        return self.model.resolved()
+
+    @lazy
+    def kinds(self) -> tuple[tuple[int, str], ...]:
+        """Joint and kind of every equation."""
+        first = self.data[0]
+        elastic = self.true.elastic if self.stiffness is None else np.isfinite(self.stiffness)
+        kinds: list[tuple[int, str]] = []
+        for j in range(self.true.n):
+            if not first.both[j]:
+                kinds.append((j, MOTOR if self.replayed[j] else TOTAL))
+            else:
+                kinds += [(j, MOTOR), (j, LINK)] if elastic[j] else [(j, TOTAL), (j, TRANSMISSION)]
+            if first.has_tau_s[j]:
+                kinds.append((j, SENSOR))
+        return tuple(kinds)
+
+    @lazy
+    def sensed(self) -> bool:
+        """Whether a torque was measured in any transmission."""
+        return any(kind == SENSOR for _, kind in self.kinds)
+
+    @lazy
+    def made_up(self) -> Flags:
+        """Elastic joints with one of their two positions unmeasured, and made up from what was recorded (n,)."""
+        return np.asarray(self.true.elastic & ~self.data[0].both & ~self.replayed)
+
+    @lazy
+    def replayed(self) -> Flags:
+        """Joints whose motors are moved as recorded, and whose links are simulated behind them (n,)."""
+        return hidden_links(self.true, self.data[0])
+
+    @lazy
+    def softness(self) -> Array:
+        """Stiffness over the scale of the links' equations (n,).
+
+        These equations are deflections times a stiffness that no fit changes; otherwise a softer spring would make the
+        residuals smaller.
+        """
+        ratio = np.ones(self.true.n)
+        if self.stiffness is not None:
+            both = np.isfinite(self.stiffness) & self.true.elastic
+            ratio[both] = self.true.stiffness[both] / self.stiffness[both]
+        return ratio
+
+    @lazy
+    def motors(self) -> tuple[tuple[MotorTorque, ...], ...]:
+        """The law of each joint's motor under voltage; none for a motor under torque."""
+        laws = [law for law in self.true.motor_laws if isinstance(law, MotorTorque)]
+        return tuple(tuple(law for law in laws if law.joint == name) for name in self.true.joint_names)
+
+    def back_emf(self, j: int) -> float:
+        """Decrease of the torque of a motor under voltage with speed [N m s/rad]."""
+        return sum(law.back_emf / law.gain for law in self.motors[j])
+
+    @lazy
+    def gains(self) -> Array:
+        """True torque over recorded torque (n,): the equations have the scale of the recorded torque.
+
+        The noise of the recorded torque is constant. Otherwise a motor without torque and an arm without mass would
+        give residuals without noise.
+        """
+        gains = np.ones(self.true.n)
+        for effect in self.true.all_effects:
+            if isinstance(effect, TorqueConstantError):
+                gains[self.true.index(effect.joint)] += effect.gain
+        for j, laws in enumerate(self.motors):
+            gains[j] *= math.prod(law.gain for law in laws)
+        return np.where(np.abs(gains) < 0.05, np.copysign(0.05, gains), gains)
+
+    def combined(
+        self,
+        along: SmoothedMotion,
+        motor: Array | None,
+        link: Array | None,
+        tau_s: Array | None,
+        only: int | None = None,
+        wound: Array | None = None,
+    ) -> Array:
+        """Rows (times, equations) of the terms in the equations of motors, links and sensors (samples, n).
+
+        With `only`, the terms of that joint alone (samples,). None: no terms. `wound` is the deflection of rigid joints
+        (samples, n), if any.
+        """
+        rows = np.zeros((self.filters.count(len(along.t)), len(self.kinds)))
+        each = (motor, link, tau_s if self.sensed else None)
+        motor_, link_, sensor_ = (self._filtered(along, torque, only) for torque in each)
+        link_ += self._lifted(along, motor, link, only)
+        for place, (j, kind) in enumerate(self.kinds):
+            if kind == SENSOR:
+                rows[:, place] = sensor_[:, j]
+            elif kind == TOTAL or (kind == MOTOR and not self.true.elastic[j]):
+                rows[:, place] = (link_[:, j] + motor_[:, j]) / self.gains[j]
+            elif kind == MOTOR:
+                rows[:, place] = motor_[:, j] / self.gains[j]
+            elif self.true.elastic[j]:
+                rows[:, place] = link_[:, j] / (self.softness if kind == LINK else self.true.stiffness)[j]
+            elif wound is not None:  # rigid: theta should be q
+                unit = self.stiffness[j] if kind == LINK and self.stiffness is not None else 1.0
+                rows[:, place] = unit * self.filters.rows(wound[:, j])
+        return rows
+
+    def _filtered(self, along: SmoothedMotion, torque: Array | None, only: int | None) -> Array:
+        """Rows (times, n) of a torque (samples, n), or of one joint alone (samples,)."""
+        rows = np.zeros((self.filters.count(len(along.t)), self.true.n))
+        if torque is not None and torque.any():
+            rows[:, slice(None) if only is None else only] = self.filters.rows(torque)
+        return rows
+
+    def _lifted(self, along: SmoothedMotion, motor: Array | None, link: Array | None, only: int | None) -> Array:
+        """The effect of computed positions on the equations (times, n).
+
+        A link position from the motor's equation has the error ``-motor/K``: its acceleration loads every link, and it
+        changes the torques of gravity and Coriolis. While the motor rests, the link position is from the link's own
+        equation and has the error ``link/K``. A rotor position from the link's equation has the error ``-link/K``,
+        whose acceleration loads the rotor.
+        """
+        first, model = along.data, self.true
+        lifted = np.zeros((self.filters.count(len(along.t)), model.n))
+        at = self.filters.instants(len(along.t))
+        for i in np.flatnonzero(self.made_up).tolist():
+            if only not in (None, i):
+                continue
+            own = [x if x is None or only == i else x[:, i] for x in (motor, link)]
+            K, rests = model.stiffness[i], along.resting[:, i]
+            if first.has_q[i] and own[1] is not None:
+                lifted[:, i] += model.rotor_inertia[i] * self.filters.rows(own[1] / K, 2)
+            elif not first.has_q[i] and (own[0] is not None or rests.any()):
+                by_motor, by_link = (np.zeros(len(along.t)) if x is None else x for x in own)
+                wrong = by_motor / K
+                if rests.any():
+                    wrong = np.where(rests, -self.filters.calmed(by_link) / K, wrong)
+                lifted += along.dragged(i, [self.filters.rows(wrong, order) for order in range(3)], at)
+        return lifted

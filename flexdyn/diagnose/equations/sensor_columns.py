@@ -1,0 +1,71 @@
+"""Derivatives of the residuals with respect to errors of the measured channels."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexdyn.arrays import Array
+from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.data.sensors import true_channel
+from flexdyn.diagnose.equations.equations import Equations, Torques
+from flexdyn.diagnose.equations.motion import SmoothedMotion
+from flexdyn.effects import ChannelLag, SensorEffect
+
+
+def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect | None = None) -> Array:
+    """First-order change of the rows (rows,) by the error that a sensor effect adds: the true channel is smaller by it.
+
+    A position that is computed from the other encoder changes with it. The change of friction is neglected.
+
+    Args:
+        equations: of the model.
+        effect: of a sensor.
+        instead: another effect of its kind, whose error is subtracted; None: none.
+    """
+    signal, j = effect.signal, equations.true.index(effect.joint)
+
+    def error(data: Measured) -> Array:
+        seen = data.channel(signal)[:, j]
+        return _true(effect, data, seen) - (seen if instead is None else _true(instead, data, seen))
+
+    def torques(along: SmoothedMotion) -> Torques:
+        wrong = _smoothed(equations, along, error(along.data), 0)
+        return (wrong, None, None) if signal == "tau" else (None, None, wrong)
+
+    if signal in ("tau", "tau_s"):
+        return equations.of_terms(j, torques)
+    return np.concatenate([_moved(equations, each, signal, j, error(each.data)).ravel() for each in equations.motions])
+
+
+def _true(effect: SensorEffect, data: Measured, seen: Array) -> Array:
+    if isinstance(effect, ChannelLag) and effect.signal == "tau":
+        return np.asarray(np.interp(data.t + effect.delay, data.t, seen))
+    return true_channel([effect], seen, data)
+
+
+def _moved(equations: Equations, along: SmoothedMotion, signal: str, j: int, wrong: Array) -> Array:
+    """Change of the rows of one recording (times, equations) by the error of an encoder (samples,)."""
+    model, combined = equations.true, equations.combined
+    d0, d1, d2 = (_smoothed(equations, along, wrong, order) for order in range(3))
+    alone, sign = not along.data.both[j], 1.0 if signal == "theta" else -1.0
+    rows = np.zeros((equations.filters.count(len(along.t)), len(equations.kinds)))
+    if signal == "q" or alone:
+        rows += combined(along, None, -along.dragged(j, (d0, d1, d2)), None)
+    if model.elastic[j]:
+        rotor = -model.rotor_inertia[j] * d2 if signal == "theta" or alone else 0.0
+        bent = 0.0 * d0 if alone else sign * (model.stiffness[j] * d0 + model.damping[j] * d1)
+        rows += combined(along, rotor - bent, bent, -bent, only=j)
+    elif not alone:
+        wound = np.zeros_like(along.q)
+        wound[:, j] = sign * d0
+        rows += combined(along, -sign * model.rotor_inertia[j] * d2, None, None, only=j, wound=wound)
+    return rows
+
+
+def _smoothed(equations: Equations, along: SmoothedMotion, x: Array, order: int) -> Array:
+    """A derivative of the error of a channel after the first filter (samples,)."""
+    y = equations.filters.first.apply(x, order)
+    if equations.made_up.any() or equations.replayed.any():
+        return equations.filters.first.apply(y, 0)
+    spare = (len(y) - len(along.t)) // 2
+    return y[spare : len(y) - spare]
