@@ -79,7 +79,7 @@ def first_states(shooter: Shooter) -> Starts:
         if f"q.{joint}" in found:
             theta[:, j], theta_std[:, j] = q[:, j] + delta[:, j], theta_std[:, j] + spread
             omega_std[:, j] = omega_std[:, j] + rate
-            sides.append((n + int(np.searchsorted(shooter.elastic, j)), spread))
+            sides.append((model.n + int(np.searchsorted(shooter.elastic, j)), spread))
         else:
             q[:, j], q_std[:, j] = theta[:, j] - delta[:, j], q_std[:, j] + spread
             v_std[:, j] = v_std[:, j] + rate

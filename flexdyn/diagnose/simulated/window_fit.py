@@ -121,7 +121,7 @@ def _problem(here: WindowFit, J: Array) -> Fit:
     """The linear problem that the windows are near a hypothesis."""
     hypothesis, space = here.made.hypothesis, here.made.space
     white = here.shot.whitened()
-    finite = np.isfinite(J).all(axis=1)  # a response that diverges says nothing
+    finite = np.asarray(np.isfinite(J).all(axis=1))  # a response that diverges says nothing
     weight, J = np.where(finite, here.weight, 0.0), np.where(finite[:, None], J, 0.0)
     centre, sigma = priors(hypothesis, space)
     rows = max(int((weight > 0.0).sum()), 1)
