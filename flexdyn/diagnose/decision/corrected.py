@@ -25,6 +25,7 @@ from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
+from flexdyn.diagnose.report.suspects import ESTABLISHED
 from flexdyn.effects import Effect, JointEffect
 
 Array = NDArray[np.float64]
@@ -123,9 +124,10 @@ def corrected(
     weigh = functools.partial(_weighed, seen, min if rejected else max)
     named = names(masses, best, weigh(own), there, may)
     told: set[int] = set()
+    real = {c for c in best if own[c] >= ESTABLISHED}  # also where nobody knows which of several laws it is
     while told != (told := {each.candidate for each in named if each.established}):
-        # What has no name explains nothing: the names must stand out from it, too.
-        alone = _genuine(found, shares(space, frozenset(each for each in found.best if each[0] in told)))
+        # What may be an imitation explains nothing: the names must stand out from it, too.
+        alone = _genuine(found, shares(space, frozenset(each for each in found.best if each[0] in told | real)))
         own |= {c: min(own[c], alone[c]) for c in told}
         named = names(masses, best, weigh(own), there, may)
     kept = told_by_data(space, masses, best, [each for each in named if each.established], may)
