@@ -22,6 +22,8 @@ from flexdyn.errors import FlexdynError
 
 SWAPS, ADDITIONS = 6, 4
 """Candidates that are tried in the place of each one, and beside all: so many by the equations and by windows each."""
+LARGEST_QUESTIONED = 4
+"""Candidates of a structure, at most, whose neighbours are simulated: a larger one imitates what the catalogue lacks."""
 SEARCH_ROUNDS = 3
 """Structures whose neighbours are compared, at most."""
 FITTED_SWAPS = 2
@@ -191,8 +193,11 @@ def reweighed(
     here = WindowFit.of(found.fitted, windows)
     few = here.shot.is_noise()  # what is missing shows in a few windows alone, as wrong sticking does
     here = fit_to_windows(here) if unlike_noise(here.shot) else here
-    if all_named and not unlike_noise(here.shot) and fits(here.made):
+    settled = all_named or len(found.best) > LARGEST_QUESTIONED
+    if settled and not unlike_noise(here.shot) and fits(here.made):
         return dataclasses.replace(found, fitted=here.made)
+    if len(found.best) > LARGEST_QUESTIONED:
+        return None
     simulated = Simulated(found, windows.thinned(COMPARED_WINDOWS))
     best = simulated.climbed(found.best)
     if best not in simulated.fits:
