@@ -23,7 +23,7 @@ from flexdyn.errors import FlexdynError
 SWAPS, ADDITIONS = 6, 4
 """Candidates that are tried in the place of each one, and beside all: so many by the equations and by windows each."""
 LARGEST_QUESTIONED = 4
-"""Candidates of a structure, at most, whose neighbours are simulated: a larger one imitates what the catalogue lacks."""
+"""Candidates of a structure, at most, whose neighbours are simulated: larger ones imitate what the catalogue lacks."""
 SEARCH_ROUNDS = 3
 """Structures whose neighbours are compared, at most."""
 FITTED_SWAPS = 2
