@@ -14,7 +14,7 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.workspace import prepared
-from flexdyn.diagnose.inference.passes import posterior
+from flexdyn.diagnose.inference.passes import Posterior, posterior
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows, unlike_noise
@@ -90,17 +90,21 @@ def _lighter(share: float) -> fd.effects.ParameterError:
     return fd.effects.ParameterError(of="mass", parameter="link_mass", factor=1.0 - share)
 
 
-def test_windows_bring_back_what_the_search_had_lost(tmp_path: Path) -> None:
-    """A posterior that holds nothing: the friction comes from windows, which then decide alone."""
-    model = slider_model(tmp_path)
-    x, _ = sliding(FORCE, 1.0 / RATE, MASS, LEVEL)
+def _compared(folder: Path, offset: float, level: float) -> tuple[Posterior, Hypothesis, Windows]:
+    """A mass under friction and a force that is not recorded: posterior, start, windows."""
+    model = slider_model(folder)
+    x, _ = sliding(FORCE + offset, 1.0 / RATE, MASS, level)
     recording = slider_recording(x, FORCE, RATE, LEVELS, 0)
     bare, noise, start = prepared(model, (measured(model, recording),))
-    found = posterior(bare, noise, start)
+    return posterior(bare, noise, start), start, Windows.of(model, [recording], LEVELS.noise(1))
+
+
+def test_windows_bring_back_what_the_search_had_lost(tmp_path: Path) -> None:
+    """A posterior that holds nothing: the friction comes from windows, which then decide alone."""
+    found, start, windows = _compared(tmp_path, 0.0, LEVEL)
     nothing = frozenset[tuple[int, int]]()
     empty = fit(start, found.fitted.space, steps=1)
     lost = dataclasses.replace(found, best=nothing, fitted=empty, earlier=(frozenset(),))
-    windows = Windows.of(model, [recording], LEVELS.noise(1))
     again = reweighed(lost, windows, lambda made: True)
     assert again is not None
     (level,) = (each.level for each in again.fitted.hypothesis.effects if isinstance(each, fd.effects.CoulombFriction))
@@ -115,14 +119,9 @@ def test_windows_bring_back_what_the_search_had_lost(tmp_path: Path) -> None:
 
 def test_windows_decide_about_a_part_that_the_equations_leave_without_a_name(tmp_path: Path) -> None:
     """Equations that hardly prefer the friction: windows, which are noise with it, show that it is there."""
-    model = slider_model(tmp_path)
-    x, _ = sliding(FORCE, 1.0 / RATE, MASS, LEVEL)
-    recording = slider_recording(x, FORCE, RATE, LEVELS, 0)
-    bare, noise, start = prepared(model, (measured(model, recording),))
-    found = posterior(bare, noise, start)
+    found, _, windows = _compared(tmp_path, 0.0, LEVEL)
     nothing = frozenset[tuple[int, int]]()
     unsure = dataclasses.replace(found, known={found.best: 0.0, nothing: -0.5})
-    windows = Windows.of(model, [recording], LEVELS.noise(1))
     assert not unlike_noise(shoot(found.fitted.hypothesis.seen(), windows))
     as_before = reweighed(unsure, windows, lambda made: True)
     weighed = reweighed(unsure, windows, lambda made: True, all_named=False)
@@ -135,12 +134,8 @@ def test_windows_decide_about_a_part_that_the_equations_leave_without_a_name(tmp
 
 def test_windows_promise_what_is_missing_and_nothing_where_nothing_is(tmp_path: Path) -> None:
     """A weak force that the recording does not hold: without its law the windows ask for it, with it for nothing."""
-    model, offset = slider_model(tmp_path), 0.003
-    x, _ = sliding(FORCE + offset, 1.0 / RATE, MASS, 0.0)
-    recording = slider_recording(x, FORCE, RATE, LEVELS, 0)
-    bare, noise, start = prepared(model, (measured(model, recording),))
-    found = posterior(bare, noise, start)
-    windows = Windows.of(model, [recording], LEVELS.noise(1))
+    offset = 0.003
+    found, start, windows = _compared(tmp_path, offset, 0.0)
     lacking = fit_to_windows(WindowFit.of(fit(start, found.fitted.space, steps=1), windows))
     best = promising(lacking, found.space, frozenset())[0]
     assert best.gain > 10.0

@@ -65,9 +65,9 @@ def _unusual(candidate: Candidate, effects: Collection[Effect]) -> bool:
 
     The model as given may have it there already, or an encoder's lag is meant where only currents are often late.
     """
-    law, place = candidate.law, candidate.place
-    alike = {candidate.kind, *law.contains}
-    there = [each for each in effects if all(getattr(each, key, None) == place.get(key) for key in ("joint", "side"))]
+    place, alike = candidate.place, {candidate.kind, *candidate.law.contains}
+    where = {key: name for key, name in place.items() if key != "effect"}
+    there = [each for each in effects if all(getattr(each, key, None) == name for key, name in where.items())]
     return any(each.name in alike or candidate.kind in each.contains for each in there) or (
         candidate.kind == "channel_lag" and not place["channel"].startswith("tau")
     )

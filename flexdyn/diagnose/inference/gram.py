@@ -191,20 +191,35 @@ class Gram:
         if V is not None:
             own = V[:, table]
             S = S - np.einsum("kgi,kgj->gij", own, own)
-        place = np.arange(table.shape[1])
-        S[:, place, place] = np.maximum(S[:, place, place], 0.0) + lam
-        sign, logdet = np.linalg.slogdet(S)
-        good = (sign > 0) & np.isfinite(logdet)
-        S[~good] = np.eye(table.shape[1])
-        inverse = np.linalg.inv(S)
-        mean = np.einsum("gij,gj->gi", inverse, c)
-        value = 0.5 * (c * mean).sum(axis=1) - 0.5 * logdet + 0.5 * np.log(lam).sum(axis=1)
-        value -= 0.5 * (lam * mu**2).sum(axis=1)
-        ratio = mean / np.sqrt(np.maximum(inverse[:, place, place], 1e-300))
-        bounded = self.prior.positive[table]
-        value += np.where(bounded, log_ndtr(ratio) - log_ndtr(mu * np.sqrt(lam)), 0.0).sum(axis=1)
-        good &= ~(bounded & (ratio < -NEGATIVE_SIGMAS)).any(axis=1)
-        return np.where(good, value, -np.inf)
+        return added_evidence(S, c, lam, mu, self.prior.positive[table])[0]
+
+
+def added_evidence(S: Array, c: Array, lam: Array, mu: Array, bounded: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """What groups of columns add to the log marginal likelihood, and their coefficients.
+
+    Args:
+        S: products of the columns, all that is there eliminated; gets the priors' precision (groups, width, width).
+        c: products with the rows, likewise, plus precision times mean of the priors (groups, width).
+        lam: precision of the priors (groups, width).
+        mu: means of the priors (groups, width).
+        bounded: coefficients that may not be negative (groups, width).
+
+    Returns:
+        (groups,), -inf where a coefficient that may not be negative clearly is; and (groups, width).
+    """
+    place = np.arange(S.shape[1])
+    S[:, place, place] = np.maximum(S[:, place, place], 0.0) + lam
+    sign, logdet = np.linalg.slogdet(S)
+    good = (sign > 0) & np.isfinite(logdet)
+    S[~good] = np.eye(S.shape[1])
+    inverse = np.linalg.inv(S)
+    mean = np.einsum("gij,gj->gi", inverse, c)
+    value = 0.5 * (c * mean).sum(axis=1) - 0.5 * logdet + 0.5 * np.log(lam).sum(axis=1)
+    value -= 0.5 * (lam * mu**2).sum(axis=1)
+    ratio = mean / np.sqrt(np.maximum(inverse[:, place, place], 1e-300))
+    value += np.where(bounded, log_ndtr(ratio) - log_ndtr(mu * np.sqrt(lam)), 0.0).sum(axis=1)
+    good &= ~(bounded & (ratio < -NEGATIVE_SIGMAS)).any(axis=1)
+    return np.where(good, value, -np.inf), mean
 
 
 def lower_factor(A: Array) -> Array:

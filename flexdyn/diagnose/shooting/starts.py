@@ -89,9 +89,9 @@ def first_states(shooter: Shooter) -> Starts:
     std = START_BOUND_WIDTH * np.hstack([q_std, theta_std[:, e], v_std, omega_std[:, e]])
     unseen = _stick(shooter, x, std, rests)
     z, z_std = _memories(shooter)
-    stuck = np.hstack([x, z])
-    stuck[:, unseen] = 0.0
     first = np.hstack([x, z])
+    stuck = first.copy()
+    stuck[:, unseen] = 0.0
     deflected = tuple(_shifted(first, place, share * by) for place, by in sides for share in DEFLECTION_SHIFTS)
     return Starts(first, np.hstack([std, z_std]), stuck if unseen else None, deflected)
 

@@ -181,6 +181,8 @@ def reweighed(
     neighbours are simulated, and theirs. What comes to noise in the end takes its place, and the structures that were
     simulated are weighed by their windows. Where only a few windows are off, all of them must come to noise together.
 
+    A structure of more than `LARGEST_QUESTIONED` candidates is not searched.
+
     Args:
         found: by the equations.
         windows: of the data of the fit.
@@ -193,10 +195,10 @@ def reweighed(
     here = WindowFit.of(found.fitted, windows)
     few = here.shot.is_noise()  # what is missing shows in a few windows alone, as wrong sticking does
     here = fit_to_windows(here) if unlike_noise(here.shot) else here
-    settled = all_named or len(found.best) > LARGEST_QUESTIONED
-    if settled and not unlike_noise(here.shot) and fits(here.made):
+    large = len(found.best) > LARGEST_QUESTIONED
+    if (all_named or large) and not unlike_noise(here.shot) and fits(here.made):
         return dataclasses.replace(found, fitted=here.made)
-    if len(found.best) > LARGEST_QUESTIONED:
+    if large:
         return None
     simulated = Simulated(found, windows.thinned(COMPARED_WINDOWS))
     best = simulated.climbed(found.best)

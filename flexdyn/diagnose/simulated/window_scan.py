@@ -12,10 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_solve
-from scipy.special import log_ndtr
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.inference.gram import NEGATIVE_SIGMAS, lower_factor
+from flexdyn.diagnose.inference.gram import added_evidence, lower_factor
 from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import waits
@@ -58,7 +57,7 @@ def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addit
     X, precision = regression.X[:, seen], regression.sigma[seen] ** -2.0
     root = lower_factor(X.T @ X + np.diag(precision))
     right = precision * regression.centre[seen] - X.T @ regression.y
-    found, before = [], space.log_prior(structure)
+    prior, found, before = space.prior, [], space.log_prior(structure)
     for _, (c, p) in Scan(space).additions(structure):
         check()
         with contextlib.suppress(FlexdynError):
@@ -67,22 +66,17 @@ def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addit
                 continue
             C = X.T @ Z
             columns = space.candidates[c].columns[p]
-            lam, mu = space.prior.precision[columns], space.prior.mean[columns]
-            S = Z.T @ Z + np.diag(lam) - C.T @ cho_solve((root, True), C)
-            g = lam * mu - Z.T @ regression.y - C.T @ cho_solve((root, True), right)
-            factor = lower_factor(S)
-            x = cho_solve((factor, True), g)
-            gain = 0.5 * float(g @ x - (lam * mu) @ mu + np.log(lam).sum())
-            gain -= float(np.log(np.diag(factor)).sum())
-            bounded = space.prior.positive[columns]
-            ratio = (x / np.sqrt(np.diag(cho_solve((factor, True), np.eye(len(x))))))[bounded]
-            if (ratio < -NEGATIVE_SIGMAS).any():
+            lam, mu = prior.precision[None, columns], prior.mean[None, columns]
+            bounded = prior.positive[None, columns]
+            S = Z.T @ Z - C.T @ cho_solve((root, True), C)
+            left = lam[0] * mu[0] - Z.T @ regression.y - C.T @ cho_solve((root, True), right)
+            (gain,), (x,) = added_evidence(S[None], left[None], lam, mu, bounded)
+            if not np.isfinite(gain):
                 continue
-            gain += float((log_ndtr(ratio) - log_ndtr((mu * np.sqrt(lam))[bounded])).sum())
-            x = np.where(bounded, np.maximum(x, 0.0), x)
+            x = np.where(bounded[0], np.maximum(x, 0.0), x)
             tried = (space.candidates[c].effect(p, share * x) for share in STEP_SHARES)
             effects = tuple(each for each in tried if each is not None and not each.is_neutral)
-            found.append(Addition(gain + space.log_prior(structure | {(c, p)}) - before, (c, p), effects))
+            found.append(Addition(float(gain) + space.log_prior(structure | {(c, p)}) - before, (c, p), effects))
     return sorted(found, key=lambda each: (-each.gain, each.point))
 
 
