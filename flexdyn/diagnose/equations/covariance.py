@@ -53,6 +53,12 @@ class Whitener:
         _core.whiten(self.factor, self.mask, raw, white)
         return np.asarray(white.T.reshape(rows.shape))
 
+    def back(self, white: Array) -> Array:
+        """L^-T of white rows (rows,)."""
+        from scipy.linalg import solve_banded
+
+        return np.asarray(solve_banded((0, self.factor.shape[1] - 1), self.factor[:, ::-1].T, white))
+
     def apart(self, raw: Array, white: NDArray[np.float32]) -> None:
         """White columns of raw ones (columns, rows), the equations one after another (equations, columns, times)."""
         _core.whiten_apart(self.factor, self.mask, np.ascontiguousarray(raw), white)
@@ -72,7 +78,7 @@ def whitener(equations: Equations, noise: SampleNoise, mask: Flags, extra: Array
     """
     from scipy.linalg import cholesky_banded
 
-    kernels = _kernels(equations)
+    kernels = kernels_of(equations)
     blocks = [_band(equations, each, noise, kernels) for each in equations.motions]
     width = max(len(block) for block in blocks)
     band = np.concatenate([np.pad(block, ((0, width - len(block)), (0, 0))) for block in blocks], axis=1)
@@ -107,7 +113,7 @@ def error_of_rests(equations: Equations) -> Array:
     return np.concatenate(parts)
 
 
-def _kernels(equations: Equations) -> dict[str, list[Array]]:
+def kernels_of(equations: Equations) -> dict[str, list[Array]]:
     """Whole kernels from a channel's noise to a row, by order of the derivative: of positions, and of torques."""
     first, second = equations.filters.first.taps, equations.filters.second.taps[0]
     whole = [np.convolve(second, taps) for taps in first]
@@ -119,7 +125,7 @@ def _kernels(equations: Equations) -> dict[str, list[Array]]:
     return {"position": whole, "tau": held, "tau_s": whole[:1]}
 
 
-def _coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, dict[int, Terms]]:
+def coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, dict[int, Terms]]:
     """C by channel, order of derivative and equation; those that are zero are left out."""
     M = along.M[equations.filters.instants(len(along.t))].transpose(1, 2, 0).copy()
     found: dict[Channel, dict[int, Terms]] = {}
@@ -185,7 +191,7 @@ def _band(equations: Equations, along: SmoothedMotion, noise: SampleNoise, kerne
     length = max(len(k) for group in kernels.values() for k in group)
     lags = min((length - 1) // every, times - 1)
     band = np.zeros(((lags + 1) * many, times, many))
-    for (signal, j), orders in _coefficients(equations, along).items():
+    for (signal, j), orders in coefficients(equations, along).items():
         variance = float(getattr(noise, signal)[j]) ** 2
         group = kernels["position" if signal in ("q", "theta") else signal]
         for lag in range(lags + 1):
@@ -231,12 +237,12 @@ def variances(
         j: joint of the torque.
         second: whether to use second differences of the rows instead of the rows.
     """
-    kernels = _kernels(equations)
+    kernels = kernels_of(equations)
     along = equations.motions[0]
     every = equations.filters.every
     weights = {-2: 1.0, -1: -4.0, 0: 6.0, 1: -4.0, 2: 1.0} if second else {0: 1.0}
     totals = [0.0, 0.0]
-    for (signal, i), orders in _coefficients(equations, along).items():
+    for (signal, i), orders in coefficients(equations, along).items():
         mine = signal == "tau" and i == j
         variance = 1.0 if mine else float(getattr(noise, signal)[i]) ** 2
         group = kernels["position" if signal in ("q", "theta") else signal]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -112,6 +113,8 @@ class Workspace:
         nuisance_sigma: their standard deviations (k,).
         channels: that have these offsets.
         beliefs: prior of an effect's parameter: distance of its centre from the value, and its standard deviation.
+        along: the equations along the expected motion, for slopes; None: `equations`.
+        anew: the same with the weights of other equations; None: the weights do not change.
     """
 
     equations: Equations
@@ -122,6 +125,12 @@ class Workspace:
     nuisance_sigma: Array
     channels: tuple[str, ...] = ()
     beliefs: Callable[[Effect, str], tuple[float, float]] | None = None
+    along: Equations | None = None
+    anew: Callable[[Equations], Workspace] | None = None
+
+    def at(self, equations: Equations) -> Workspace:
+        """The weights for other equations of the same data."""
+        return self if self.anew is None else dataclasses.replace(self.anew(equations), beliefs=self.beliefs)
 
     def white(self, residual: Array) -> Array:
         """The whitened residual after the best offsets of the encoders are subtracted (rows,)."""

@@ -39,13 +39,15 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
         SimulationError: the equations are not finite.
     """
     at = at or space.equations.of(hypothesis.model())
+    here = space.at(at)
+    along = at if space.along is None else space.along.of(hypothesis.model())
     unknowns = hypothesis.unknowns()
     scales = tuple(tangent_scale(effect, name) for effect, name in unknowns)
     taken = None if before is None else before.taken or before.hypothesis
     near = before if taken is not None and _near(hypothesis, taken) else None
     known = None if near is None else near.regression.X[:, : len(hypothesis.factors)]
     with SILENT():
-        y, X = _rows(hypothesis, at, space, scales, known)
+        y, X = _rows(hypothesis, at, along, here, scales, known)
         finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
     if not finite:
         raise SimulationError("the equations are not finite along the measured motion", reason="overflow")
@@ -78,7 +80,12 @@ def _near(one: Hypothesis, other: Hypothesis) -> bool:
 
 
 def _rows(
-    hypothesis: Hypothesis, at: Equations, space: Workspace, scales: tuple[float, ...], known: Array | None
+    hypothesis: Hypothesis,
+    at: Equations,
+    along: Equations,
+    space: Workspace,
+    scales: tuple[float, ...],
+    known: Array | None,
 ) -> tuple[Array, Array]:
     """White residuals (rows,) and their slopes by the numbers, the unknowns and the encoders' offsets (rows, k).
 
@@ -89,10 +96,10 @@ def _rows(
     def slope(unknown: tuple[tuple[Effect, str], float]) -> Array:
         (effect, name), scale = unknown
         with SILENT():
-            return space.whiten(scale * columns.of_parameter(at, effect, name, 0.1 * scale))
+            return space.whiten(scale * columns.of_parameter(along, effect, name, 0.1 * scale))
 
     own = abreast(slope, zip(hypothesis.unknowns(), scales, strict=True))
-    numbers = _slopes_of_numbers(hypothesis, at, space) if known is None else known
+    numbers = _slopes_of_numbers(hypothesis, along, space) if known is None else known
     return y, np.column_stack([numbers, *own, space.nuisance])
 
 
@@ -110,6 +117,7 @@ def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, .
 
 def reached(hypothesis: Hypothesis, at: Equations, space: Workspace) -> float:
     """`Fit.reached` without computing slopes; infinite if the equations are not finite."""
+    space = space.at(at)
     with SILENT():
         y = space.whiten(at.residual)
         if not np.isfinite(y @ y):

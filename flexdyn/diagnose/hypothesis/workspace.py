@@ -15,6 +15,7 @@ from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.covariance import SampleNoise, encoders_rule, whitener
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.expected import expected_data
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.fitted import Workspace
@@ -37,12 +38,14 @@ class Unweighted:
         numbers: by the file's numbers (rows, numbers).
         offsets: by an offset of one count of each encoder, because rounding is unknown (rows, channels).
         channels: of these encoders.
+        along: the equations along whose motion the slopes are; None: `equations`.
     """
 
     equations: Equations
     numbers: Array
     offsets: Array
     channels: tuple[str, ...]
+    along: Equations | None = None
 
     @classmethod
     def of(cls, equations: Equations, numbers: Iterable[FileNumber]) -> Unweighted:
@@ -81,7 +84,33 @@ def recorded_noise(data: tuple[Measured, ...]) -> SampleNoise:
     return SampleNoise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(len(torque)))
 
 
-def weighed(bare: Unweighted, noise: SampleNoise, mask: Flags | None = None, extra: Array | None = None) -> Workspace:
+def expecting(
+    bare: Unweighted, at: Equations, work: Workspace, scale: Array, numbers: Iterable[FileNumber]
+) -> Unweighted:
+    """The same equations with slopes along the motion that is expected, given what a hypothesis leaves.
+
+    Args:
+        bare: the equations of the model as given.
+        at: those of the hypothesis.
+        work: the weights of its rows.
+        scale: size of the model error over the noise of the rows (equations,) [1].
+        numbers: of the file.
+    """
+    if not at.made_up.any():
+        return bare
+    data = expected_data(at, work.noise, work.whiten, scale)
+    along = dataclasses.replace(bare.equations, data=data)
+    slopes = Unweighted.of(along, numbers)
+    return dataclasses.replace(slopes, equations=bare.equations, along=along)
+
+
+def weighed(
+    bare: Unweighted,
+    noise: SampleNoise,
+    mask: Flags | None = None,
+    extra: Array | None = None,
+    at: Equations | None = None,
+) -> Workspace:
     """Equations with weights from the noise.
 
     Args:
@@ -89,14 +118,16 @@ def weighed(bare: Unweighted, noise: SampleNoise, mask: Flags | None = None, ext
         noise: of the channels.
         mask: rows that are not used; None: determined from the noise.
         extra: additional variance of the rows (rows,).
+        at: equations of the hypothesis whose coefficients carry the noise; None: the given model's.
     """
     equations = bare.equations
     mask = sign_mask(equations, noise) if mask is None else mask
-    whiten = whitener(equations, noise, mask, extra)
+    whiten = whitener(at if at is not None and at.made_up.any() else equations, noise, mask, extra)
     sides = (name.partition(".") for name in bare.channels)
     levels = [getattr(noise, signal)[equations.true.index(joint)] for signal, _, joint in sides]
     sigma = 2.0 * np.array(levels) + 1e-12
-    return Workspace(equations, whiten, noise, whiten(bare.numbers), whiten(bare.offsets), sigma, bare.channels)
+    slopes = whiten(bare.numbers), whiten(bare.offsets)
+    return Workspace(equations, whiten, noise, *slopes, sigma, bare.channels, along=bare.along)
 
 
 def _filtered(model: FlexibleJointModel, data: tuple[Measured, ...], noise: SampleNoise) -> Equations:

@@ -30,6 +30,7 @@ class Candidate:
         choices: points of the grid, between which the prior is even.
         stands: the effect that the linearisation is at, one point; None: candidates that are not in it.
         ratio: of its joint's gear [1].
+        tangents: parameters of the effect that stands whose tangents follow its first column.
     """
 
     kind: str
@@ -40,6 +41,7 @@ class Candidate:
     choices: int
     stands: Effect | None = None
     ratio: float = 1.0
+    tangents: tuple[str, ...] = ()
 
     @property
     def place(self) -> dict[str, str]:

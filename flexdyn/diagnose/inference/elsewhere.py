@@ -8,8 +8,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import priors
+from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.inference.whitening import Tempered
@@ -45,6 +47,39 @@ def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[fr
     return tuple(found)
 
 
+def as_fitted(space: Space, best: Structure, stands: Structure, here: Hypothesis, work: Workspace) -> Structure:
+    """The best structure where a fit keeps what the linear equations promise for leaving out effects that stand.
+
+    Without an effect, other numbers move far, and a linearisation with it cannot foresee what that leaves. So the best
+    structure without it is fitted. What the fit loses of the promise is charged to all structures without it.
+
+    Args:
+        space: of the linearisation.
+        best: its best structure.
+        stands: what stands at the linearisation.
+        here: the numbers there.
+        work: weights of a fit.
+    """
+    while gone := frozenset(c for c, _ in stands - best if space.candidates[c].stands is not None):
+        if gone in space.unkept:
+            break
+        promised = space.value(best) - space.value(stands)
+        space.unkept[gone] = min(0.0, _kept(space, best, stands, here, work) - promised)
+        space.known = {}
+        best = explore(space, [stands, best], 0)
+    return best
+
+
+def _kept(space: Space, best: Structure, stands: Structure, here: Hypothesis, work: Workspace) -> float:
+    """Log posterior of the best structure less that of what stands, both fitted; -inf where it is no model."""
+    before = _log_posterior(space, stands, fit(here, work, steps=STEPS_ELSEWHERE))
+    try:
+        after = fit(hypothesis_of(space, best, here), work, steps=STEPS_ELSEWHERE)
+    except SimulationError:
+        return -math.inf
+    return _log_posterior(space, best, after) - before
+
+
 def _in_space(space: Space, candidates: frozenset[int]) -> Structure:
     """Candidates with the grid points at which they were the most likely."""
     ranked = sorted(space.known, key=lambda s: (-space.known[s], sorted(s)))
@@ -58,8 +93,9 @@ def _in_space(space: Space, candidates: frozenset[int]) -> Structure:
 
 def _log_posterior(space: Space, structure: Structure, made: Fit) -> float:
     """Of a fitted structure, not normalised."""
-    whiten, many = made.space.whiten, len(made.equations.kinds)
-    squares = (made.space.white(made.equations.residual).reshape(-1, many) ** 2).sum(axis=0)
+    weights, many = made.space.at(made.equations), len(made.equations.kinds)
+    whiten = weights.whiten
+    squares = (weights.white(made.equations.residual).reshape(-1, many) ** 2).sum(axis=0)
     if isinstance(whiten, Tempered):
         squares = squares * whiten.error.scale**2 * whiten.error.times
     centre, sigma = priors(made.hypothesis, made.space)

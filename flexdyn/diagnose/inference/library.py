@@ -339,7 +339,8 @@ class Library:
             place = first + np.arange(len(column.std))
             first += len(column.std)
             choices = 1 if set(estimated) & set(proposal.axes) else len(proposal.grid)  # a tangent has a prior itself
-            found.append(Candidate(effect.name, proposal, None, [()], [place], choices, effect, self._ratio(proposal)))
+            ratio, tangents = self._ratio(proposal), tuple(estimated)
+            found.append(Candidate(effect.name, proposal, None, [()], [place], choices, effect, ratio, tangents))
             columns.append(column)
         jobs = []
         for p in (open_ := self._open):

@@ -15,19 +15,19 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import linearised
-from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
+from flexdyn.diagnose.hypothesis.workspace import Unweighted, expecting, weighed
 from flexdyn.diagnose.inference.autoregression import runs_of
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.elsewhere import odds_by_fits
+from flexdyn.diagnose.inference.elsewhere import as_fitted, odds_by_fits
 from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.memory import check_memory
 from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import WHOLE_NUMBER_LOG_ODDS, Space, Structure
-from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
+from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, waits
 from flexdyn.diagnose.inference.weights import expected, filter_error, for_fit, quieter, rows_of
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
@@ -98,30 +98,36 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         tell(f"comparing structures: pass {k + 1} of at most {MOST_PASSES}", 0.05 + 0.6 * k / MOST_PASSES)
         at = bare.equations.of(here.model())
         noise = quieter(recorded, at, mask)
-        work = weighed(bare, noise, mask, filter_error(bare.equations, here))
+        work = weighed(bare, noise, mask, filter_error(bare.equations, here), at)
         seen = rows_of(at, mask)
         runs = runs_of(mask, list(seen.lengths), len(at.kinds))
         if k == 0:
             here = _in_tolerance(fit(here, for_fit(bare, noise, mask, seen, here), steps=3).hypothesis, start)
             at = bare.equations.of(here.model())
             noise = quieter(recorded, at, mask)
-            work = weighed(bare, noise, mask)
+            work = weighed(bare, noise, mask, at=at)
+        error = Discrepancy.of(work.white(at.residual), seen)
+        near = expecting(bare, at, work, error.scale, start.factors)
+        along = at if near.along is None else near.along.of(here.model())
+        work = dataclasses.replace(
+            work, numbers=work.whiten(near.numbers), nuisance=work.whiten(near.offsets), along=near.along
+        )
         made = linearised(here, work, at=at)
         count = len(here.factors)
         numbers = made.regression.X[:, :count] if made.free is None else made.free.X[:, :count]
         listed = with_harmonics(at, own, runs)
         columns = Library(
-            at, work.whiten, here, numbers, work.nuisance, work.nuisance_sigma, tuple(listed), noise, mask, first
+            along, work.whiten, here, numbers, work.nuisance, work.nuisance_sigma, tuple(listed), noise, mask, first
         )
         if first is None:
             check_memory(listed, mask.size, sum(float(along.t[-1] - along.t[0]) for along in at.motions))
             first = columns
         space = Space(columns, work.whiten(at.residual), seen)
         know(space=space)
-        stands = frozenset(
-            (c, 0) for c, each in enumerate(space.candidates) if each.stands is not None or each.number in here.freed
-        )
+        stands = standing(space, here)
         best = _compared(space, stands)
+        weights = dataclasses.replace(for_fit(near, noise, mask, seen, here), beliefs=columns.beliefs(here.effects))
+        best = as_fitted(space, best, stands, here, weights)
         there = hypothesis_of(space, _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1)), here)
         places = frozenset(identity(space.candidates[c]) for c, _ in best)
         # Where the file's numbers are far off, nothing may look worth adding: only a fit's linearisation can say that.
@@ -133,10 +139,11 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         if last:
             space.known = {}
             best = among_rivals(space, explore(space, [best]))
-            there = hypothesis_of(space, best, here, whole=True)
+            best = as_fitted(space, best, stands, here, weights)
+            there = hypothesis_of(space, best, here, whole=any(waits(space, c) for c, _ in best))
         beliefs = columns.beliefs(there.effects)
         for _ in range(WEIGHTINGS):
-            work = for_fit(bare, noise, mask, seen, there)
+            work = for_fit(near, noise, mask, seen, there)
             work = dataclasses.replace(work, beliefs=beliefs)
             fitted = _natural(fit(there, work, steps=PASS_STEPS if not last else 8), space, work)
             there = fitted.hypothesis

@@ -75,6 +75,7 @@ class Space:
             place = self._put(place, column, alike + self.base)
         self.of[: self.used] = self.products.diagonals().argmax(axis=0)
         self.places = self._counted(self.candidates)
+        self.unkept: dict[frozenset[int], float] = {}
 
     def _negligible(self, made: list[Column]) -> list[tuple[Column, Indices]]:
         """Small amounts of every law without nonlinear parameters: no model is free of them; they are no findings.
@@ -173,8 +174,13 @@ class Space:
             squares = self.products.squares(columns, mean)
             off = mean - self.prior.mean[columns]
             value = self.noise.log_likelihood(squares) - 0.5 * float(off @ (self.prior.precision[columns] * off))
-            self.known[structure] = value + self.log_volume(structure, own)
+            self.known[structure] = value + self.log_volume(structure, own) + self._unkept(structure)
         return self.known[structure]
+
+    def _unkept(self, structure: Structure) -> float:
+        """What the linear equations promise a structure for leaving out effects that stand, and a fit does not keep."""
+        there = {c for c, _ in structure}
+        return sum(loss for gone, loss in self.unkept.items() if not gone & there)
 
     def log_volume(self, structure: Structure, own: Estimate | None = None) -> float:
         """What a structure's posterior has beside likelihood and priors at the best numbers: Occam's factor.

@@ -6,7 +6,9 @@ import dataclasses
 
 import numpy as np
 
-from flexdyn.diagnose.hypothesis.hypothesis import LEAST_FACTOR, Hypothesis
+from flexdyn.diagnose.hypothesis.hypothesis import LEAST_FACTOR, Hypothesis, bounded
+from flexdyn.diagnose.hypothesis.linear import tangent_scale
+from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.effects import Effect, JointEffect, JointElasticity
 from flexdyn.model.uncertain_parameters import FileNumber
@@ -21,7 +23,12 @@ def waits(space: Space, c: int) -> bool:
 
 
 def hypothesis_of(space: Space, structure: Structure, here: Hypothesis, *, whole: bool = False) -> Hypothesis:
-    """A structure with its coefficients as a hypothesis; what makes joints elastic only in the whole one."""
+    """A structure with its coefficients as a hypothesis; what makes joints elastic only in the whole one.
+
+    What the hypothesis `here` already is, is returned as it is: a fit that starts there finds its own steps.
+    """
+    if not whole and structure == standing(space, here):
+        return here
     estimate = space.estimate(structure)
     value = dict(zip(estimate.columns.tolist(), estimate.mean.tolist(), strict=True))
     names = list(here.factors)
@@ -34,7 +41,7 @@ def hypothesis_of(space: Space, structure: Structure, here: Hypothesis, *, whole
             factors[candidate.number] += value[int(candidate.columns[p][0])]
             freed.add(candidate.number)
         elif candidate.stands is not None:
-            effects.append(candidate.stands)
+            effects.append(_moved(candidate, [value[int(k)] for k in candidate.columns[p][1:]]))
         elif whole or not waits(space, c):
             x = np.array([value[int(k)] for k in candidate.columns[p]])
             x = np.where(space.prior.positive[candidate.columns[p]], np.maximum(x, 0.0), x)
@@ -44,6 +51,20 @@ def hypothesis_of(space: Space, structure: Structure, here: Hypothesis, *, whole
     effects = _softened(space, structure, effects)
     factors = {n: max(f, LEAST_FACTOR) for n, f in factors.items()}
     return dataclasses.replace(here, factors=factors, freed=frozenset(freed), effects=tuple(effects))
+
+
+def standing(space: Space, here: Hypothesis) -> Structure:
+    """The structure that a linearisation is at: effects that stand and numbers that no tolerance holds."""
+    each = enumerate(space.candidates)
+    return frozenset((c, 0) for c, one in each if one.stands is not None or one.number in here.freed)
+
+
+def _moved(candidate: Candidate, steps: list[float]) -> Effect:
+    """The effect that stands, with its parameters moved along their tangents."""
+    effect = candidate.stands
+    assert effect is not None
+    pairs = zip(candidate.tangents, steps, strict=True)
+    return effect.replace(**{name: bounded(effect, name, dx * tangent_scale(effect, name)) for name, dx in pairs})
 
 
 def _softened(space: Space, structure: Structure, effects: list[Effect]) -> list[Effect]:

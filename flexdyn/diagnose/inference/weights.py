@@ -43,8 +43,13 @@ def for_fit(
 
     The error of the first filter at corners of laws is left out: it would hide errors of a law that is still wrong.
     """
-    plain = weighed(bare, noise, mask)
-    return tempered(plain, error_of(plain, bare.equations.of(there.model()).residual, seen))
+    at = bare.equations.of(there.model())
+    plain = weighed(bare, noise, mask, at=at)
+    error = error_of(plain, at.residual, seen)
+    made = tempered(plain, error)
+    if not at.made_up.any():
+        return made
+    return dataclasses.replace(made, anew=lambda at: tempered(weighed(bare, noise, mask, at=at), error))
 
 
 def error_of(plain: Workspace, residual: Array, seen: Seen) -> Discrepancy:
