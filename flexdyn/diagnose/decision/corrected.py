@@ -83,7 +83,7 @@ class Corrected:
         place = self.masses.place([rival], [of])
         if place is None:
             return None
-        return hypothesis_of(self.space, self.masses.structures[place], self.space.library.start, whole=True)
+        return hypothesis_of(self.space, self.masses.structures[place], whole=True)
 
     @property
     def candidates(self) -> Sequence[Candidate]:
@@ -213,7 +213,7 @@ def _may_stand_in(space: Space, masses: Masses, c: int) -> bool:
     place = masses.place([c])
     if place is None:
         return False
-    factor = hypothesis_of(space, masses.structures[place], space.library.start).factors[candidate.number]
+    factor = hypothesis_of(space, masses.structures[place]).factors[candidate.number]
     return abs(factor - 1.0) > IN_TOLERANCE * candidate.number.tolerance
 
 

@@ -1,58 +1,76 @@
-"""Channels without the errors that the residual shows: the motion along which slopes are computed."""
+"""Recordings less the noise that their residual shows: slopes along them are independent of the residual."""
 
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.data.measured import Measured
-from flexdyn.diagnose.equations.covariance import Channel, SampleNoise, Whitener, coefficients, kernels_of
+from flexdyn.diagnose.data.measured import SIGNALS, Measured
+from flexdyn.diagnose.equations.covariance import Channel, SampleNoise, Terms, Whitener, coefficients, kernels_of
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.motion import SmoothedMotion
 
 
 def expected_data(equations: Equations, noise: SampleNoise, whiten: Whitener, scale: Array) -> tuple[Measured, ...]:
-    """The channels less the expected value of their noise, given the residual.
+    """The recordings less the expected value of their noise, given what a hypothesis leaves.
 
-    A residual ``r = A n`` of the noise n of the channels has slopes ``X + A' n``, which are not independent of it:
-    ``E[X^T C^-1 r] = (1/2) d log|C|/db`` and not zero (errors in variables). With ``n' = S A^T C^-1 r``, the expected
-    noise given the residual, slopes along the channels less n' contain ``n - n'``, which is uncorrelated with r. The
-    normal equations of these slopes are the gradient of ``r^T C(b)^-1 r / 2`` with the covariance following b.
+    The residual is ``r = A n`` with the noise n of the channels. Where A depends on a number b, so do the slopes
+    ``X + A' n``: they contain the noise of r, and ``E[X^T C^-1 r] = (1/2) d log|C|/db`` is not zero (errors in
+    variables). The expected noise is ``m = S A^T C^-1 r`` with the variances S of the channels. Slopes along the
+    recordings less m contain ``n - m``, which is uncorrelated with r. Their products with ``C^-1 r`` are the gradient
+    of ``r^T C(b)^-1 r / 2``, with a covariance C that follows b: the maximum of the likelihood.
 
     Args:
         equations: of the hypothesis.
         noise: of the channels.
-        whiten: of its rows.
-        scale: size of a model error over the noise of the rows, by equation (equations,); 1: none.
+        whiten: of the rows.
+        scale: size of the model error over the noise of the rows (equations,) [1]; a residual that is mostly model
+            error says little of the noise.
     """
-    white = whiten(equations.residual) / np.tile(scale**2, len(whiten.mask) // len(scale))
-    weighted = np.where(whiten.mask, 0.0, whiten.back(white)).reshape(-1, len(equations.kinds))
-    kernels, first, found = kernels_of(equations), 0, []
-    for along in equations.motions:
-        times = equations.filters.count(len(along.t))
-        rows = weighted[first : first + times]
-        first += times
-        at = along.lost + equations.filters.instants(len(along.t))
-        columns = {name: along.data.channel(name).copy() for name in ("q", "theta", "tau", "tau_s")}
-        raw = next(data for data in equations.data if data.name == along.data.name and len(data.t) == len(along.data.t))
-        columns = {name: raw.channel(name).copy() for name in columns}
-        for channel, orders in coefficients(equations, along).items():
-            columns[channel[0]][:, channel[1]] -= _share(channel, orders, rows, at, kernels, len(raw.t)) * (
-                float(getattr(noise, channel[0])[channel[1]]) ** 2
-            )
-        found.append(dataclasses.replace(raw, **columns))
-    return tuple(found)
+    many = len(equations.kinds)
+    white = whiten(equations.residual).reshape(-1, many) / scale**2
+    weighted = whiten.back(white.ravel()).reshape(-1, many)
+    lengths = [equations.filters.count(len(along.t)) for along in equations.motions]
+    parts = np.split(weighted, np.cumsum(lengths)[:-1])
+    each = zip(equations.data, equations.motions, parts, strict=True)
+    return tuple(_less_noise(equations, noise, *one) for one in each)
 
 
-def _share(channel: Channel, orders, rows: Array, at, kernels, samples: int) -> Array:
-    """A^T of weighted rows (times, equations) for one channel (samples,)."""
-    group = kernels["position" if channel[0] in ("q", "theta") else channel[0]]
+def _less_noise(
+    equations: Equations, noise: SampleNoise, data: Measured, along: SmoothedMotion, rows: Array
+) -> Measured:
+    """One recording less S A^T of its weighted rows (times, equations)."""
+    columns: dict[str, Any] = {signal: data.channel(signal).copy() for signal in SIGNALS}
+    at = along.lost + equations.filters.instants(len(along.t))
+    for channel, orders in coefficients(equations, along).items():
+        signal, j = channel
+        variance = float(getattr(noise, signal)[j]) ** 2
+        columns[signal][:, j] -= variance * spread(equations, channel, orders, rows, at, len(data.t))
+    return dataclasses.replace(data, **columns)
+
+
+def spread(
+    equations: Equations, channel: Channel, orders: dict[int, Terms], rows: Array, at: NDArray[np.intp], samples: int
+) -> Array:
+    """A^T of rows: what rows say of the samples of one channel (samples,).
+
+    Args:
+        equations: that have the rows.
+        channel: of which samples.
+        orders: its coefficients, by order of the derivative and by equation.
+        rows: (times, equations).
+        at: samples to which the rows belong (times,).
+        samples: of the channel.
+    """
+    kernels = kernels_of(equations)["position" if channel[0] in ("q", "theta") else channel[0]]
     total = np.zeros(samples)
     for order, terms in orders.items():
         sparse = np.zeros(samples)
         sparse[at] = sum(coefficient * rows[:, row] for row, coefficient in terms.items())
-        kernel = group[order]
-        half = len(kernel) // 2
-        total += np.convolve(sparse, kernel)[half : half + samples]
+        half = len(kernels[order]) // 2
+        total += np.convolve(sparse, kernels[order])[half : half + samples]
     return total

@@ -15,7 +15,6 @@ from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.covariance import SampleNoise, encoders_rule, whitener
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.equations.expected import expected_data
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.fitted import Workspace
@@ -82,26 +81,6 @@ def recorded_noise(data: tuple[Measured, ...]) -> SampleNoise:
     """Of the channels, as the record shows it."""
     torque = np.maximum(recorded_torque_noise(data), 1e-12)
     return SampleNoise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(len(torque)))
-
-
-def expecting(
-    bare: Unweighted, at: Equations, work: Workspace, scale: Array, numbers: Iterable[FileNumber]
-) -> Unweighted:
-    """The same equations with slopes along the motion that is expected, given what a hypothesis leaves.
-
-    Args:
-        bare: the equations of the model as given.
-        at: those of the hypothesis.
-        work: the weights of its rows.
-        scale: size of the model error over the noise of the rows (equations,) [1].
-        numbers: of the file.
-    """
-    if not at.made_up.any():
-        return bare
-    data = expected_data(at, work.noise, work.whiten, scale)
-    along = dataclasses.replace(bare.equations, data=data)
-    slopes = Unweighted.of(along, numbers)
-    return dataclasses.replace(slopes, equations=bare.equations, along=along)
 
 
 def weighed(

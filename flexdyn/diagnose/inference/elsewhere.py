@@ -9,11 +9,10 @@ import numpy as np
 
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
-from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import priors
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import Space, Structure
-from flexdyn.diagnose.inference.structure_model import hypothesis_of
+from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing
 from flexdyn.diagnose.inference.whitening import Tempered
 from flexdyn.errors import SimulationError
 
@@ -37,7 +36,7 @@ def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[fr
     found = []
     for each in others:
         structure = _in_space(space, each)
-        start = hypothesis_of(space, structure, fitted.hypothesis, whole=True)
+        start = hypothesis_of(space, structure, whole=True)
         try:
             made = fit(start, fitted.space, steps=STEPS_ELSEWHERE)
         except SimulationError:  # its numbers by the linear equations are no model: the fits cannot decide
@@ -47,7 +46,7 @@ def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[fr
     return tuple(found)
 
 
-def as_fitted(space: Space, best: Structure, stands: Structure, here: Hypothesis, work: Workspace) -> Structure:
+def as_fitted(space: Space, best: Structure, work: Workspace) -> Structure:
     """The best structure where a fit keeps what the linear equations promise for leaving out effects that stand.
 
     Without an effect, other numbers move far, and a linearisation with it cannot foresee what that leaves. So the best
@@ -56,25 +55,24 @@ def as_fitted(space: Space, best: Structure, stands: Structure, here: Hypothesis
     Args:
         space: of the linearisation.
         best: its best structure.
-        stands: what stands at the linearisation.
-        here: the numbers there.
         work: weights of a fit.
     """
+    stands = standing(space)
     while gone := frozenset(c for c, _ in stands - best if space.candidates[c].stands is not None):
         if gone in space.unkept:
             break
         promised = space.value(best) - space.value(stands)
-        space.unkept[gone] = min(0.0, _kept(space, best, stands, here, work) - promised)
+        space.unkept[gone] = min(0.0, _kept(space, best, stands, work) - promised)
         space.known = {}
         best = explore(space, [stands, best], 0)
     return best
 
 
-def _kept(space: Space, best: Structure, stands: Structure, here: Hypothesis, work: Workspace) -> float:
+def _kept(space: Space, best: Structure, stands: Structure, work: Workspace) -> float:
     """Log posterior of the best structure less that of what stands, both fitted; -inf where it is no model."""
-    before = _log_posterior(space, stands, fit(here, work, steps=STEPS_ELSEWHERE))
+    before = _log_posterior(space, stands, fit(space.library.start, work, steps=STEPS_ELSEWHERE))
     try:
-        after = fit(hypothesis_of(space, best, here), work, steps=STEPS_ELSEWHERE)
+        after = fit(hypothesis_of(space, best), work, steps=STEPS_ELSEWHERE)
     except SimulationError:
         return -math.inf
     return _log_posterior(space, best, after) - before

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,8 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import linearised
-from flexdyn.diagnose.hypothesis.workspace import Unweighted, expecting, weighed
+from flexdyn.diagnose.hypothesis.proposal import Proposal
+from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
 from flexdyn.diagnose.inference.autoregression import runs_of
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.catalogue import everything
@@ -28,11 +29,12 @@ from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import WHOLE_NUMBER_LOG_ODDS, Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, waits
-from flexdyn.diagnose.inference.weights import expected, filter_error, for_fit, quieter, rows_of
+from flexdyn.diagnose.inference.weights import along_expected, expected, filter_error, for_fit, quieter, rows_of
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
+from flexdyn.effects import Effect
 
-Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 MOST_PASSES = 5
 """Linearisations at most."""
 MODEL_ERROR_ROUNDS = 25
@@ -42,8 +44,9 @@ STRONG_GAIN_SHARE = 0.1
 WEIGHTINGS, WELL_WEIGHTED = 4, 0.7
 """Largest number of fits of one hypothesis, each weighted by the last residual; they end above this ratio of residuals.
 """
-PASS_STEPS = 4
-"""Gauss-Newton steps between two linearisations."""
+NUMBERS_STEPS, PASS_STEPS, LAST_STEPS = 3, 4, 8
+"""Gauss-Newton steps at most: of the file's numbers alone, between two linearisations, and in the end."""
+Beliefs = Callable[[Effect, str], tuple[float, float]]
 Places = frozenset[tuple[object, ...]]
 """Kind and place of every candidate of a structure."""
 
@@ -81,6 +84,76 @@ class Posterior:
         return tuple(zip(sets, odds_by_fits(self.space, self.best, self.fitted, sets), strict=True)) if sets else ()
 
 
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """What structures are compared on.
+
+    Attributes:
+        here: the hypothesis at which the equations are linear.
+        space: candidates and their matrix there.
+        near: the equations, with slopes along the motion that is expected there.
+        noise: of the channels.
+        mask: rows that are not used (rows,).
+    """
+
+    here: Hypothesis
+    space: Space
+    near: Unweighted
+    noise: SampleNoise
+    mask: Flags
+
+    @classmethod
+    def of(
+        cls,
+        bare: Unweighted,
+        recorded: SampleNoise,
+        mask: Flags,
+        here: Hypothesis,
+        own: list[Proposal],
+        first: Library | None,
+    ) -> Linearisation:
+        """The equations near a hypothesis.
+
+        Args:
+            bare: the equations of the model as given.
+            recorded: noise of the channels, as the records show it.
+            mask: rows that are not used (rows,).
+            here: the hypothesis.
+            own: proposals of effects, without the harmonics of this residual.
+            first: the library at the model as given; None: this is it.
+        """
+        at = bare.equations.of(here.model())
+        noise = quieter(recorded, at, mask)
+        seen = rows_of(at, mask)
+        work = weighed(bare, noise, mask, filter_error(bare.equations, here), at)
+        near, work = along_expected(bare, work, here, at, seen)
+        made = linearised(here, work, at=at)
+        slopes = (made.free or made.regression).X[:, : len(here.factors)]
+        listed = with_harmonics(at, own, runs_of(mask, list(seen.lengths), len(at.kinds)))
+        if first is None:
+            check_memory(listed, mask.size, sum(float(along.t[-1] - along.t[0]) for along in at.motions))
+        along = at if near.along is None else near.along.of(here.model())
+        whole = slopes, work.nuisance, work.nuisance_sigma
+        library = Library(along, work.whiten, here, *whole, tuple(listed), noise, mask, first)
+        return cls(here, Space(library, work.whiten(at.residual), seen), near, noise, mask)
+
+    def weights(self, there: Hypothesis, beliefs: Beliefs | None = None) -> Workspace:
+        """Weights and priors for the fit of a hypothesis."""
+        work = for_fit(self.near, self.noise, self.mask, self.space.seen, there)
+        return dataclasses.replace(work, beliefs=beliefs or self.space.library.beliefs(there.effects))
+
+    def fitted(self, there: Hypothesis, steps: int) -> Fit:
+        """The fit of a hypothesis, with weights by what the last fit left until it does not outgrow them."""
+        beliefs = self.space.library.beliefs(there.effects)
+        for _ in range(WEIGHTINGS):
+            work = self.weights(there, beliefs)
+            made = _natural(fit(there, work, steps=steps), self.space, work)
+            there = made.hypothesis
+            if made.reduced > WELL_WEIGHTED * expected(work):
+                break
+        return made
+
+
 def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Posterior:
     """Compare structures on the equations.
 
@@ -90,70 +163,42 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         start: the file's numbers where they stand.
     """
     own = everything(bare.equations)
+    mask = sign_mask(bare.equations, noise)
     start = dataclasses.replace(start, measured=frozenset({"harmonic"}))
-    here, mask, recorded = start, sign_mask(bare.equations, noise), noise
+    here = _in_tolerance(_numbers_alone(bare, noise, mask, start), start)
     first: Library | None = None
     compared: list[Places] = []
     for k in range(MOST_PASSES):
         tell(f"comparing structures: pass {k + 1} of at most {MOST_PASSES}", 0.05 + 0.6 * k / MOST_PASSES)
-        at = bare.equations.of(here.model())
-        noise = quieter(recorded, at, mask)
-        work = weighed(bare, noise, mask, filter_error(bare.equations, here), at)
-        seen = rows_of(at, mask)
-        runs = runs_of(mask, list(seen.lengths), len(at.kinds))
-        if k == 0:
-            here = _in_tolerance(fit(here, for_fit(bare, noise, mask, seen, here), steps=3).hypothesis, start)
-            at = bare.equations.of(here.model())
-            noise = quieter(recorded, at, mask)
-            work = weighed(bare, noise, mask, at=at)
-        error = Discrepancy.of(work.white(at.residual), seen)
-        near = expecting(bare, at, work, error.scale, start.factors)
-        along = at if near.along is None else near.along.of(here.model())
-        work = dataclasses.replace(
-            work, numbers=work.whiten(near.numbers), nuisance=work.whiten(near.offsets), along=near.along
-        )
-        made = linearised(here, work, at=at)
-        count = len(here.factors)
-        numbers = made.regression.X[:, :count] if made.free is None else made.free.X[:, :count]
-        listed = with_harmonics(at, own, runs)
-        columns = Library(
-            along, work.whiten, here, numbers, work.nuisance, work.nuisance_sigma, tuple(listed), noise, mask, first
-        )
-        if first is None:
-            check_memory(listed, mask.size, sum(float(along.t[-1] - along.t[0]) for along in at.motions))
-            first = columns
-        space = Space(columns, work.whiten(at.residual), seen)
+        near = Linearisation.of(bare, noise, mask, here, own, first)
+        space = near.space
+        first = first or space.library
         know(space=space)
-        stands = standing(space, here)
-        best = _compared(space, stands)
-        weights = dataclasses.replace(for_fit(near, noise, mask, seen, here), beliefs=columns.beliefs(here.effects))
-        best = as_fitted(space, best, stands, here, weights)
-        there = hypothesis_of(space, _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1)), here)
+        stands = standing(space)
+        weights = near.weights(here)
+        best = as_fitted(space, _compared(space, stands), weights)
         places = frozenset(identity(space.candidates[c]) for c, _ in best)
         # Where the file's numbers are far off, nothing may look worth adding: only a fit's linearisation can say that.
         stays = k > 0 and _nonlinear(space, best) == _nonlinear(space, stands)
         settled = stays or (k > 0 and places in compared)
         earlier = () if stays else other_linearisations(compared, places)
         compared.append(places)
-        last = settled or k == MOST_PASSES - 1
-        if last:
-            space.known = {}
-            best = among_rivals(space, explore(space, [best]))
-            best = as_fitted(space, best, stands, here, weights)
-            there = hypothesis_of(space, best, here, whole=any(waits(space, c) for c, _ in best))
-        beliefs = columns.beliefs(there.effects)
-        for _ in range(WEIGHTINGS):
-            work = for_fit(near, noise, mask, seen, there)
-            work = dataclasses.replace(work, beliefs=beliefs)
-            fitted = _natural(fit(there, work, steps=PASS_STEPS if not last else 8), space, work)
-            there = fitted.hypothesis
-            if fitted.reduced > WELL_WEIGHTED * expected(work):
-                break
-        if last:
+        if settled or k == MOST_PASSES - 1:
             break
-        here = fitted.hypothesis
+        strong = _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1))
+        here = near.fitted(hypothesis_of(space, strong), PASS_STEPS).hypothesis
         space.forget()
-    return Posterior(space, best, fitted, noise, settled, space.known, earlier=earlier)
+    space.known = {}
+    best = as_fitted(space, among_rivals(space, explore(space, [best])), weights)
+    fitted = near.fitted(hypothesis_of(space, best, whole=True), LAST_STEPS)
+    return Posterior(space, best, fitted, near.noise, settled, space.known, earlier=earlier)
+
+
+def _numbers_alone(bare: Unweighted, recorded: SampleNoise, mask: Flags, start: Hypothesis) -> Hypothesis:
+    """A first fit of the file's numbers."""
+    at = bare.equations.of(start.model())
+    noise = quieter(recorded, at, mask)
+    return fit(start, for_fit(bare, noise, mask, rows_of(at, mask), start), steps=NUMBERS_STEPS).hypothesis
 
 
 def other_linearisations(compared: list[Places], places: Places) -> tuple[Places, ...]:

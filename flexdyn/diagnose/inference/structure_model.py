@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 
 import numpy as np
 
 from flexdyn.diagnose.hypothesis.hypothesis import LEAST_FACTOR, Hypothesis, bounded
 from flexdyn.diagnose.hypothesis.linear import tangent_scale
-from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.effects import Effect, JointEffect, JointElasticity
 from flexdyn.model.uncertain_parameters import FileNumber
@@ -22,12 +22,13 @@ def waits(space: Space, c: int) -> bool:
     return candidate.kind == JointElasticity.name
 
 
-def hypothesis_of(space: Space, structure: Structure, here: Hypothesis, *, whole: bool = False) -> Hypothesis:
+def hypothesis_of(space: Space, structure: Structure, *, whole: bool = False) -> Hypothesis:
     """A structure with its coefficients as a hypothesis; what makes joints elastic only in the whole one.
 
-    What the hypothesis `here` already is, is returned as it is: a fit that starts there finds its own steps.
+    What the linearisation is at, is returned as it is: a fit that starts there finds its own steps.
     """
-    if not whole and structure == standing(space, here):
+    here = space.library.start
+    if structure == standing(space) and not any(waits(space, c) for c, _ in structure):
         return here
     estimate = space.estimate(structure)
     value = dict(zip(estimate.columns.tolist(), estimate.mean.tolist(), strict=True))
@@ -41,7 +42,8 @@ def hypothesis_of(space: Space, structure: Structure, here: Hypothesis, *, whole
             factors[candidate.number] += value[int(candidate.columns[p][0])]
             freed.add(candidate.number)
         elif candidate.stands is not None:
-            effects.append(_moved(candidate, [value[int(k)] for k in candidate.columns[p][1:]]))
+            steps = [value[int(k)] for k in candidate.columns[p][1:]]
+            effects.append(_moved(candidate.stands, dict(zip(candidate.tangents, steps, strict=True))))
         elif whole or not waits(space, c):
             x = np.array([value[int(k)] for k in candidate.columns[p]])
             x = np.where(space.prior.positive[candidate.columns[p]], np.maximum(x, 0.0), x)
@@ -53,18 +55,17 @@ def hypothesis_of(space: Space, structure: Structure, here: Hypothesis, *, whole
     return dataclasses.replace(here, factors=factors, freed=frozenset(freed), effects=tuple(effects))
 
 
-def standing(space: Space, here: Hypothesis) -> Structure:
+def standing(space: Space) -> Structure:
     """The structure that a linearisation is at: effects that stand and numbers that no tolerance holds."""
     each = enumerate(space.candidates)
-    return frozenset((c, 0) for c, one in each if one.stands is not None or one.number in here.freed)
+    return frozenset((c, 0) for c, one in each if one.stands is not None or one.number in space.library.start.freed)
 
 
-def _moved(candidate: Candidate, steps: list[float]) -> Effect:
-    """The effect that stands, with its parameters moved along their tangents."""
-    effect = candidate.stands
-    assert effect is not None
-    pairs = zip(candidate.tangents, steps, strict=True)
-    return effect.replace(**{name: bounded(effect, name, dx * tangent_scale(effect, name)) for name, dx in pairs})
+def _moved(effect: Effect, steps: Mapping[str, float]) -> Effect:
+    """An effect with its parameters moved along their tangents."""
+    return effect.replace(
+        **{name: bounded(effect, name, step * tangent_scale(effect, name)) for name, step in steps.items()}
+    )
 
 
 def _softened(space: Space, structure: Structure, effects: list[Effect]) -> list[Effect]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from flexdyn.diagnose.data.filters import FIRST_FILTER_WIDTH, Filters
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.expected import expected_data
 from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
@@ -28,6 +29,30 @@ def quieter(recorded: SampleNoise, at: Equations, mask: NDArray[np.bool_]) -> Sa
     """
     left = torque_noise(at, at.residual, mask, recorded)
     return dataclasses.replace(recorded, tau=np.maximum(np.minimum(left, recorded.tau), 1e-12))
+
+
+def along_expected(
+    bare: Unweighted, work: Workspace, here: Hypothesis, at: Equations, seen: Seen
+) -> tuple[Unweighted, Workspace]:
+    """Equations and weights with slopes along the motion that is expected, given what a hypothesis leaves.
+
+    Only where the noisy torque makes positions up: elsewhere the filters leave slopes hardly any noise.
+
+    Args:
+        bare: equations of the model as given.
+        work: weights of the hypothesis' rows.
+        here: the hypothesis.
+        at: its equations.
+        seen: rows that say something.
+    """
+    if not at.made_up.any():
+        return bare, work
+    scale = Discrepancy.of(work.white(at.residual), seen).scale
+    along = dataclasses.replace(bare.equations, data=expected_data(at, work.noise, work.whiten, scale))
+    slopes = Unweighted.of(along, here.factors)
+    near = dataclasses.replace(slopes, equations=bare.equations, along=along)
+    new = work.whiten(near.numbers), work.whiten(near.offsets)
+    return near, dataclasses.replace(work, numbers=new[0], nuisance=new[1], along=along)
 
 
 def expected(work: Workspace) -> float:

@@ -10,6 +10,10 @@ from numpy.typing import NDArray
 
 from flexdyn.analysis.jacobian import dry_velocities
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.data.sensors import corrected
+from flexdyn.diagnose.equations.motion import smoothed
 from flexdyn.diagnose.shooting.sensing import lag, sensors
 from flexdyn.diagnose.shooting.shooter import Shooter
 from flexdyn.effects import DeflectionEffect, recovered
@@ -224,8 +228,22 @@ def _memories(shooter: Shooter) -> tuple[Array, Array]:
     return z, std
 
 
+def _computed_deflection(shooter: Shooter, joint: str, k: int) -> Array | None:
+    """Deflection of a joint with one encoder along a recording (samples,); None if the recording is too short."""
+    model, recording = shooter.given.resolved(), shooter.windows.recordings[k]
+    data = corrected(measured(model, recording), shooter.given)
+    first = Filters.of_rate(data.dt).first
+    if len(data.t) <= 4 * first.half:
+        return None
+    along = smoothed(model, LinkSide(model), data, first)
+    return np.interp(recording.t - recording.t[0], along.t, along.delta[:, model.joint_names.index(joint)])
+
+
 def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
-    """The smoothed input of an effect with memory: position on its side, or deflection; None if it is unmeasured."""
+    """The smoothed input of an effect with memory: position on its side, or deflection; None if it is unmeasured.
+
+    With one encoder the deflection is that at which the transmission carries what the equations say.
+    """
     model, recording = shooter.model, shooter.windows.recordings[k]
     joint = str(getattr(effect, "joint", ""))
 
@@ -240,9 +258,8 @@ def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
     q, theta = position("q"), position("theta")
     path: Array | None
     if getattr(effect, "side", "") == "transmission":
-        if q is None or theta is None:
-            return None
-        path = theta - q
+        path = theta - q if q is not None and theta is not None else _computed_deflection(shooter, joint, k)
+        theta = theta if theta is not None else q
         for each in model.all_effects:
             if isinstance(each, DeflectionEffect) and each.joint == joint and not each.is_neutral:
                 path = each.deflection(path, theta)

@@ -40,11 +40,11 @@ def unlike_noise(shot: Shot, floor: float = 1.0) -> bool:
     """Whether windows leave together more than noise, chance and a misjudged level of the noise.
 
     Args:
-        shot: the windows; where only a few are off, their median says nothing of it.
+        shot: the windows; where only some are off, their median says nothing of it.
         floor: the gap of a perfect model, if it is more than 1.
     """
     chance = CHANCE_ROOM * math.sqrt(2.0 / (ERRORS_PER_WINDOW * len(shot.x0)))
-    return shot.gap**2 > (1.0 + NOISE_LEVEL_ERROR + chance) * max(floor, 1.0) ** 2
+    return shot.left > (1.0 + NOISE_LEVEL_ERROR + chance) * max(floor, 1.0) ** 2
 
 
 class Simulated:
@@ -70,7 +70,7 @@ class Simulated:
             return
         found = self.found
         with contextlib.suppress(FlexdynError):
-            here = hypothesis_of(found.space, structure, found.fitted.hypothesis, whole=True)
+            here = hypothesis_of(found.space, structure, whole=True)
             whole = structure == found.best
             made = found.fitted if whole else fit(here, found.fitted.space, steps=EQUATIONS_FIT_STEPS)
             self._take(structure, WindowFit.of(made, self.windows))
@@ -152,8 +152,8 @@ class Simulated:
 def share_in_windows(found: Posterior, windows: Windows, candidate: int) -> float:
     """What a candidate of the best structure takes off the windows, over what is left of them [1].
 
-    With squared gaps: ``(without it - with it) / (with it - 1)``; without it, the file's numbers stay within three
-    tolerances. Of the noise's power `NOISE_LEVEL_ERROR` is unknown.
+    With mean squares of the innovations: ``(without it - with it) / (with it - 1)``; without it, the file's numbers
+    stay within three tolerances. Of the noise's power `NOISE_LEVEL_ERROR` is unknown.
 
     Args:
         found: the posterior.
@@ -166,8 +166,8 @@ def share_in_windows(found: Posterior, windows: Windows, candidate: int) -> floa
     simulated.start(rest)
     if found.best not in simulated.fits or rest not in simulated.fits:
         return 0.0
-    whole = simulated.fits[found.best].shot.gap ** 2
-    without = shoot(simulated.fits[rest].made.hypothesis.tolerated().seen(), windows).gap ** 2
+    whole = simulated.fits[found.best].shot.left
+    without = shoot(simulated.fits[rest].made.hypothesis.tolerated().seen(), windows).left
     return max(without - whole, 0.0) / (max(whole - 1.0, 0.0) + NOISE_LEVEL_ERROR)
 
 
