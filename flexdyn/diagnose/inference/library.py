@@ -16,6 +16,7 @@ from flexdyn.diagnose.equations.columns import of_parameter
 from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import MOTOR, TOTAL, TRANSMISSION
+from flexdyn.diagnose.equations.terms import of_joint, spring_torque
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, kind_and_place
 from flexdyn.diagnose.hypothesis.linear import tangent_scale
@@ -129,7 +130,7 @@ class Library:
         return found
 
     def _column(self, proposal: Proposal, point: Point, raw: Array, white: NDArray[np.float32]) -> Column | None:
-        width, largest = len(raw), self._size(raw)
+        width, largest = len(raw), np.maximum(self._size(raw), [self._carried(*unit) for unit in proposal.units(point)])
         if not np.isfinite(largest).all() or (largest == 0.0).any() or not white.any(axis=(0, 2)).all():
             return None
         if proposal.fixed:
@@ -210,10 +211,29 @@ class Library:
             change: of the residual by it (rows,).
             least: share of the torque below which an effect is none, whatever the encoders resolve [1].
         """
-        share = float(self._size(change[None])[0])
+        share = max(float(self._size(change[None])[0]), self._carried(effect))
         angle = abs(float(getattr(effect, effect.position_error or "-", np.inf)))
         place = {key: str(getattr(effect, key)) for key in ("joint", "channel") if hasattr(effect, key)}
         return share, max(least, self._resolution({"effect": effect.name, **place}) / max(angle, 1e-300) * share)
+
+    def _carried(self, effect: Effect, scale: float = 1.0) -> float:
+        """Share of its joint's torque that a law of a transmission makes there, over `scale` [1].
+
+        Where one of the two positions is computed, the rows have only what this does to the computed one. 0 elsewhere.
+        """
+        true = self.equations.true
+        if not isinstance(effect, JointEffect) or effect.side != "transmission":
+            return 0.0
+        j = true.index(effect.joint)
+        if not self.equations.made_up[j]:
+            return 0.0
+        others = [each for each in of_joint(true.all_effects, effect.joint) if each != effect]
+        parts = [
+            spring_torque(true, [*others, effect], along, j)[:, 0] - spring_torque(true, others, along, j)[:, 0]
+            for along in self.equations.motions
+        ]
+        row = next(k for k, (i, _) in enumerate(self.equations.kinds) if i == j)
+        return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)) / (self.reference[row] * scale))
 
     def _resolution(self, place: Mapping[str, str]) -> float:
         """Step of the encoders [rad or m] for effects on positions: what is smaller may be rounding; 0 for others."""

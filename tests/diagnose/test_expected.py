@@ -1,0 +1,98 @@
+"""Slopes along the expected motion: the noise that they share with the residual is gone (errors in variables)."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import flexdyn as fd
+from flexdyn.arrays import Array
+from flexdyn.diagnose.data.measured import Measured, measured
+from flexdyn.diagnose.equations.covariance import SampleNoise, coefficients, whitener
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.expected import expected_data, spread
+from flexdyn.diagnose.hypothesis.number_columns import of_numbers
+from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.model.uncertain_parameters import FileNumber, file_numbers
+
+SOFT = {"shoulder": {"stiffness": 400.0, "damping": 0.8}, "elbow": {"stiffness": 900.0, "damping": 0.5}}
+TORQUE_NOISE, ENCODER_NOISE = 0.5, 1e-7
+DRAWS = 60
+
+
+def _arm() -> fd.FlexibleJointModel:
+    """Two soft joints."""
+    joints = {name: {**numbers, "rotor_inertia": 4e-5} for name, numbers in SOFT.items()}
+    return fd.load_model("scara_two_link").replace(joints=joints, effects=[], tolerance=0.1)
+
+
+@pytest.fixture(scope="module")
+def clean() -> tuple[Equations, SampleNoise]:
+    """The equations of the true arm along a record without noise, with encoders on the motors alone."""
+    model, t = _arm(), np.arange(1500) / 500
+    turns = np.stack([0.5 * np.sin(3.0 * t) + 0.1 * np.sin(9.0 * t), 1.5 + 0.4 * np.sin(4.0 * t)], axis=1)
+    run = fd.simulate(model, fd.PD(fd.Samples(t, turns, "cubic"), kp=300, kd=15), q0=turns[0])
+    log = run.to_recording()
+    seen = {f"{signal}.{joint}": log[f"{signal}.{joint}"] for joint in model.joint_names for signal in ("theta", "tau")}
+    bare, _, _ = prepared(model, (measured(model, fd.Recording(run.t, seen)),))
+    two = np.ones(2)
+    return bare.equations, SampleNoise(0.0 * two, ENCODER_NOISE * two, TORQUE_NOISE * two, 0.0 * two)
+
+
+def _noisy(data: Measured, noise: SampleNoise, rng: np.random.Generator) -> Measured:
+    """The record with noise."""
+    tau = data.tau + noise.tau * rng.normal(size=data.tau.shape)
+    return dataclasses.replace(data, tau=tau, theta=data.theta + noise.theta * rng.normal(size=data.theta.shape))
+
+
+def test_rows_say_of_samples_what_samples_do_to_rows(clean: tuple[Equations, SampleNoise]) -> None:
+    """``y . (A n) = (A^T y) . n`` with A n by computing the equations again; what A leaves out is below a percent."""
+    at, noise = clean
+    rng, (data,), (along,) = np.random.default_rng(1), at.data, at.motions
+    moved = dataclasses.replace(data, tau=data.tau + noise.tau * rng.normal(size=data.tau.shape))
+    change = dataclasses.replace(at, data=(moved,)).residual - at.residual
+    y = rng.normal(size=(at.filters.count(len(along.t)), len(at.kinds)))
+    samples = along.lost + at.filters.instants(len(along.t))
+    back = sum(
+        float(spread(at, channel, orders, y, samples, len(data.t)) @ (moved.tau - data.tau)[:, channel[1]])
+        for channel, orders in coefficients(at, along).items()
+        if channel[0] == "tau"
+    )
+    assert back == pytest.approx(float(y.ravel() @ change), abs=0.01 * float(np.linalg.norm(y) * np.linalg.norm(change)))
+
+
+def _log_determinant(at: Equations, noise: SampleNoise, number: FileNumber, factor: float) -> float:
+    """log|C| of the rows where a number of the file has another factor."""
+    model = at.model.replace(effects=[*at.model.effects, number.error(factor)])
+    whole = whitener(at.of(model), noise, np.zeros(at.residual.size, bool))
+    return 2.0 * float(np.log(whole.factor[:, 0]).sum())
+
+
+def test_products_of_slopes_and_residual_have_no_mean(clean: tuple[Equations, SampleNoise]) -> None:
+    """Along the record the mean is ``(1/2) d log|C|/db``, in closed form; along the expected motion hardly any is left."""
+    at, noise = clean
+    number = next(n for n in file_numbers(at.model) if n.parameter == "stiffness" and n.of == "shoulder")
+    rng, open_ = np.random.default_rng(2), np.zeros(at.residual.size, bool)
+    true = of_numbers(at, [number])  # its product with the residual has no mean, and most of the scatter
+    recorded: list[float] = []
+    expected: list[float] = []
+    for _ in range(DRAWS):
+        drawn = dataclasses.replace(at, data=tuple(_noisy(each, noise, rng) for each in at.data))
+        white = whitener(drawn, noise, open_)
+        along = dataclasses.replace(at, data=expected_data(drawn, noise, white, np.ones(len(at.kinds))))
+        for found, motion in ((recorded, drawn), (expected, along)):
+            found.append(float(white(of_numbers(motion, [number]) - true)[:, 0] @ white(drawn.residual)))
+    step = 0.01
+    slope = (_log_determinant(at, noise, number, 1.0 + step) - _log_determinant(at, noise, number, 1.0 - step)) / step
+    bias = 0.25 * slope
+    assert abs(bias) > 10.0 * _error(recorded)
+    assert np.mean(recorded) == pytest.approx(bias, abs=4.0 * _error(recorded) + 0.02 * abs(bias))
+    assert abs(np.mean(expected)) < 0.15 * abs(bias)
+
+
+def _error(found: list[float]) -> float:
+    """Standard error of a mean."""
+    values: Array = np.array(found)
+    return float(values.std() / np.sqrt(len(values)))
