@@ -48,7 +48,7 @@ def test_an_imitation_stays_above_its_bounds(seed: int) -> None:
 
 def pulled() -> tuple[Array, Array, Array]:
     """Times, positions and forces of a rig that pulls a rubbing mass through a gap, by SciPy (friction is a slope)."""
-    t = np.linspace(0.0, 2.0, 1001)
+    t = np.linspace(0.0, 4.0, 2001)
     sizes = ((0.012, 6.0), (0.004, 2.3))
 
     def moved(s: Array | float, order: int) -> Array:
