@@ -130,7 +130,8 @@ class _Kept:
     """A browser that starts when the first page asks for it, and stays."""
 
     def __init__(self, ends: ExitStack) -> None:
-        self.ends, self.started = ends, None
+        self.ends = ends
+        self.started: Any = None
 
     def browser(self) -> Any:
         """The one, started by now."""
