@@ -18,7 +18,7 @@ import os
 import shutil
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
@@ -110,9 +110,12 @@ def open_page(target: str | Path, *, width: int = 1280, height: int = 720, motio
         motion: let the page move by itself; otherwise it is told that the user wants none.
     """
     address = target if isinstance(target, str) and "://" in target else Path(target).resolve().as_uri()
-    with _browser() as browser:
+    with ExitStack() as ends:
+        browser = _kept[-1].browser() if _kept else ends.enter_context(_browser())
         wish = "no-preference" if motion else "reduce"
+        # With a context of its own, which ends with it: storage and settings of one page are not those of the next.
         tab = browser.new_page(viewport={"width": width, "height": height}, reduced_motion=wish)
+        ends.callback(tab.close)
         page = OpenPage(address, tab)
         tab.on("pageerror", lambda error: page.errors.append(str(error)))
         tab.on("console", lambda entry: _complaint(page, entry))
@@ -121,6 +124,33 @@ def open_page(target: str | Path, *, width: int = 1280, height: int = 720, motio
         tab.goto(address)
         yield page
         page.check()
+
+
+class _Kept:
+    """A browser that starts when the first page asks for it, and stays."""
+
+    def __init__(self, ends: ExitStack) -> None:
+        self.ends = ends
+        self.started: Any = None
+
+    def browser(self) -> Any:
+        """The one, started by now."""
+        if self.started is None:
+            self.started = self.ends.enter_context(_browser())
+        return self.started
+
+
+_kept: list[_Kept] = []
+"""The browser of the test file that is at work, if it keeps one."""
+
+
+@pytest.fixture(scope="module")
+def one_browser() -> Iterator[None]:
+    """All pages of a test file are opened in one browser: to start it costs more than most of its pages."""
+    with ExitStack() as ends:
+        _kept.append(_Kept(ends))
+        yield
+        _kept.pop()
 
 
 def _complaint(page: OpenPage, entry: Any) -> None:

@@ -15,6 +15,8 @@ from tests.browser import WAYS_OUT, open_page
 from tests.diagnose import report_cases
 from tests.viewer.arms import two_link_run
 
+pytestmark = pytest.mark.usefixtures("one_browser")
+
 BUTTONS = "[...document.querySelectorAll('.modebar-btn')].map((button) => button.dataset.title)"
 Writer = Callable[[Path], None]
 

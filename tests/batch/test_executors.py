@@ -58,6 +58,7 @@ def test_chunks_are_taken_as_threads_become_free() -> None:
             assert len(asked) <= seen + 4
             if seen == 1000:
                 break
+        assert seen == 1000
 
 
 def test_an_error_ends_the_others() -> None:

@@ -57,6 +57,7 @@ def test_frequencies_of_a_mass_on_a_spring(flexdyn: Runner) -> None:
 def test_infinite_numbers_are_null_in_json(flexdyn: Runner) -> None:
     """A rigid joint has no stiffness and no frequency that JSON could hold; an unlimited one no limits."""
     found = flexdyn("info", "double_pendulum_continuous", "--json").json
+    assert len(found["joints"]) == 2
     for joint in found["joints"]:
         assert joint["type"] == "continuous"
         assert joint["stiffness"] is None

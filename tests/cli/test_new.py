@@ -101,7 +101,9 @@ def test_the_suggested_stiffness_is_ten_hertz(flexdyn: Runner) -> None:
     given = [line.replace(".inf", line.rpartition(" ")[2]) if "10 Hz" in line else line for line in lines]
     text = "\n".join(given).replace("rotor_inertia: 0.0", "rotor_inertia: 1.0e-5")
     Path("arm.yaml").write_text(text, encoding="utf-8")
-    for joint in flexdyn("info", "arm.yaml", "--json").json["joints"]:
+    joints = flexdyn("info", "arm.yaml", "--json").json["joints"]
+    assert len(joints) == 6
+    for joint in joints:
         assert joint["locked_rotor_frequency"] == pytest.approx(10.0, rel=0.03)
 
 

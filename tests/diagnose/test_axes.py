@@ -14,7 +14,7 @@ import pytest
 import flexdyn as fd
 from tests.physics.test_axes import TENDONS, WRIST
 
-LEVEL, RATE, INSIDE, SECONDS = 0.5, 200, 40, 5.0
+LEVEL, RATE, INSIDE, SECONDS = 0.5, 200, 40, 3.0
 A = np.array([[1.0, 1.0], [1.0, -1.0]])
 AXES = {"left": {"pitch": 1.0, "roll": 1.0}, "right": {"pitch": 1.0, "roll": -1.0}}
 

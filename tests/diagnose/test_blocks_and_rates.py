@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +13,10 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.data.rate import advice, at_needed_rates
 from flexdyn.diagnose.decision.split import checked_blocks, parts, without_blocks
 from flexdyn.errors import InputError
+from tests.diagnose import slides
 
+DRAG = 9.0
+"""Viscous friction of the sliding mass [N s/m]."""
 T = np.arange(1001) / 100.0
 REC = fd.Recording(T, {"q.elbow": np.sin(T)}, name="log")
 
@@ -34,6 +38,12 @@ def swing(seconds: float, rate: float) -> fd.Recording:
     names = [f"{signal}.{joint}" for signal in ("q", "tau") for joint in model.joint_names]
     noise = {"q": 2e-6, "tau": 0.02}
     return fd.Recording(t, {x: log[x] + rng.normal(0.0, noise[x.split(".")[0]], t.size) for x in names}, name="swing")
+
+
+@cache
+def rubbed() -> fd.Recording:
+    """Six seconds of a sliding mass with a friction that its model lacks."""
+    return slides.recording(lambda v: DRAG * v, seconds=6.0)
 
 
 @cache
@@ -73,21 +83,25 @@ def test_blocks_that_make_no_sense() -> None:
         without_blocks([REC], [(0.0, 12.0)])
 
 
-def test_a_diagnosis_with_a_block_kept_apart() -> None:
+def test_a_diagnosis_with_a_block_kept_apart(tmp_path: Path) -> None:
     """The block is test data and nothing else is; what is missing is found in the rest."""
-    found = fd.diagnose(stiff_arm(), swing(6.0, 200.0), hold_out=[(2.0, 3.5)], progress=False)
+    found = fd.diagnose(slides.model(tmp_path), rubbed(), hold_out=[(2.0, 3.5)], progress=False)
     told = [(each.role, round(each.start, 2), round(each.end, 2)) for each in found.data]
     assert told == [("fit", 0.0, 2.0), ("fit", 3.5, 6.0), ("test", 2.0, 3.5)]
-    assert [(each.suspect.effect, each.suspect.joint) for each in found.findings] == [("coulomb_friction", "elbow")]
+    ((effect, values, _),) = slides.named(found)
+    assert effect == "viscous_friction"
+    assert values == pytest.approx({"coefficient": DRAG}, rel=0.01)
 
 
-def test_short_recordings_add_up() -> None:
+def test_short_recordings_add_up(tmp_path: Path) -> None:
     """Pieces of 1.2 s, none of which could be cut: the last ones are test data as they are."""
-    pieces = swing(6.0, 200.0).split(at=[1.2, 2.4, 3.6, 4.8])
-    fit, test = parts(stiff_arm(), pieces)
+    pieces = rubbed().split(at=[1.2, 2.4, 3.6, 4.8])
+    fit, test = parts(slides.model(tmp_path), pieces)
     assert [len(fit), len(test)] == [4, 1]
-    found = fd.diagnose(stiff_arm(), pieces, progress=False)
-    assert [(each.suspect.effect, each.suspect.joint) for each in found.findings] == [("coulomb_friction", "elbow")]
+    found = fd.diagnose(slides.model(tmp_path), pieces, progress=False)
+    ((effect, values, _),) = slides.named(found)
+    assert effect == "viscous_friction"
+    assert values == pytest.approx({"coefficient": DRAG}, rel=0.01)
 
 
 def test_one_recording_that_is_too_short_says_what_would_do() -> None:

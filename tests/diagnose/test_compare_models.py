@@ -12,6 +12,7 @@ from scipy.stats import chi2
 import flexdyn as fd
 from flexdyn.diagnose.compared.models import CHANCE, _same
 from flexdyn.diagnose.report.suspects import Number
+from tests.diagnose.answers import dry_elbow
 
 ARM = fd.load_model("scara_two_link").replace(effects=[], tolerance=0.01)
 
@@ -72,16 +73,7 @@ def test_effects_come_and_go() -> None:
 @pytest.fixture(scope="module")
 def diagnosed(tmp_path_factory: pytest.TempPathFactory) -> tuple[fd.Diagnosis, Path]:
     """A diagnosis that found friction, and the folder that it was saved in."""
-    t = np.linspace(0.0, 8.0, 801)
-    sway = np.stack([0.6 * np.cos(1.1 * t) + 0.2 * np.cos(5 * t), 0.5 * np.cos(1.4 * t)], axis=1)
-    model = ARM.replace(joints={"*": {"stiffness": 900.0, "damping": 1.5, "rotor_inertia": 4e-5}}, tolerance=0.03)
-    robot = model.replace(effects=[fd.effects.CoulombFriction("elbow", side="motor", level=0.6)])
-    run = fd.simulate(robot, fd.PD(fd.Samples(t, sway, "cubic"), kp=400, kd=20), q0=sway[0])
-    noise, log = np.random.default_rng(0), run.to_recording()
-    sigma = {"q": 2e-6, "theta": 2e-6, "tau": 0.02}
-    names = [f"{signal}.{joint}" for signal in sigma for joint in model.joint_names]
-    seen = {x: log[x] + noise.normal(0.0, sigma[x.split(".")[0]], run.t.size) for x in names}
-    answer = fd.diagnose(model, [fd.Recording(run.t, seen)], progress=False)
+    answer = dry_elbow()
     folder = tmp_path_factory.mktemp("compared") / "worn"
     answer.save(folder)
     return answer, folder

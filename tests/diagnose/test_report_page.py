@@ -22,6 +22,8 @@ from flexdyn.diagnose.report.trace import ResidualTrace
 from tests.browser import open_page
 from tests.diagnose import report_cases as cases
 
+pytestmark = pytest.mark.usefixtures("one_browser")
+
 MADE = pytest.mark.parametrize("made", [*cases.CASES, cases.robot])
 
 

@@ -11,7 +11,7 @@ from make import build, write_case
 
 import flexdyn as fd
 
-SHORT, LONGER = (16.0, 6.0), (20.0, 8.0)
+SHORT, LONGER = (8.0, 4.0), (20.0, 8.0)
 """Lengths of the fit and of the check [s]: with both encoders, and with one, which needs more."""
 
 

@@ -43,6 +43,7 @@ def test_nothing_is_named_that_other_runs_do_not_confirm(made: tuple[Studied, ..
 
 def test_the_lead_screws_rise_predicts_the_start_stop_files(made: tuple[Studied, ...]) -> None:
     """At 50 and 200 rpm, both ways: Coulomb and viscous friction alone are two times further off, or more."""
+    assert made[0].stretches
     for each in made[0].stretches:
         assert abs(each.predicted - each.torque) < 0.5 * abs(each.plain - each.torque)
 

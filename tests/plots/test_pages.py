@@ -12,6 +12,8 @@ import flexdyn as fd
 from flexdyn.plots.palette import HUES
 from tests.browser import Picture, open_page
 
+pytestmark = pytest.mark.usefixtures("one_browser")
+
 CURVES = "#picture .scatterlayer .trace path.js-line"
 EVIL = "<img src=x onerror=document.title='hit'>"
 SCRIPT = "</script><script>document.title='hit'</script>"

@@ -216,16 +216,16 @@ def test_it_is_locked_and_pickles() -> None:
 
 def test_a_controller_is_not_asked_again() -> None:
     """The ledger goes by the torques that were asked for, and a run from another process still has it."""
-    calls: list[float] = []
+    over: list[bool] = []
 
     def law(t: float, x: fd.State) -> Array:
-        calls.append(t)
+        assert not over, "it is asked for a torque after its run"
         return 20.0 * (1.0 - x.theta) - 0.5 * x.omega
 
     run = fd.simulate(model_of(ARM), fd.Controller(law, rate=200), 0.3, **START)
-    before = len(calls)
+    over.append(True)
     energy = closed(run)
-    assert len(calls) == before > 50
+    assert np.abs(energy.supplied).max() > 0.01  # it did drive the arm
     again = closed(repickled(run))
     np.testing.assert_array_equal(again.residual, energy.residual)
     assert set(again.dissipated) == set(energy.dissipated)

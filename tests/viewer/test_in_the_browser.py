@@ -14,6 +14,8 @@ import flexdyn as fd
 from tests.browser import OpenPage, Picture, open_page
 from tests.viewer.arms import rigid_run, shapeless, swinging, two_link_run
 
+pytestmark = pytest.mark.usefixtures("one_browser")
+
 
 def ready(page: OpenPage) -> None:
     """Wait for the scene."""
