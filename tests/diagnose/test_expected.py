@@ -60,7 +60,9 @@ def test_rows_say_of_samples_what_samples_do_to_rows(clean: tuple[Equations, Sam
         for channel, orders in coefficients(at, along).items()
         if channel[0] == "tau"
     )
-    assert back == pytest.approx(float(y.ravel() @ change), abs=0.01 * float(np.linalg.norm(y) * np.linalg.norm(change)))
+    assert back == pytest.approx(
+        float(y.ravel() @ change), abs=0.01 * float(np.linalg.norm(y) * np.linalg.norm(change))
+    )
 
 
 def _log_determinant(at: Equations, noise: SampleNoise, number: FileNumber, factor: float) -> float:
@@ -71,7 +73,7 @@ def _log_determinant(at: Equations, noise: SampleNoise, number: FileNumber, fact
 
 
 def test_products_of_slopes_and_residual_have_no_mean(clean: tuple[Equations, SampleNoise]) -> None:
-    """Along the record the mean is ``(1/2) d log|C|/db``, in closed form; along the expected motion hardly any is left."""
+    """Along the record the mean is ``(1/2) d log|C|/db``, in closed form; along the expected motion little is left."""
     at, noise = clean
     number = next(n for n in file_numbers(at.model) if n.parameter == "stiffness" and n.of == "shoulder")
     rng, open_ = np.random.default_rng(2), np.zeros(at.residual.size, bool)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 import flexdyn as fd
 from flexdyn.diagnose.shooting import matched as matching
 from flexdyn.diagnose.shooting import shooter as shooting
-from flexdyn.diagnose.shooting.gap import Shot, shoot
+from flexdyn.diagnose.shooting.gap import STRAY_SHARE, Shot, shoot
 from flexdyn.diagnose.shooting.starts import first_states
 from flexdyn.diagnose.shooting.windows import Windows
 from tests.arms import two_link
@@ -206,3 +207,23 @@ def _by(shooter: shooting.Shooter, x0: Array, solver: fd.solvers.Solver) -> Arra
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(shooter, "_solver", lambda *_: solver)
         return shooter.reported(shooter.run(x0))
+
+
+def test_a_few_stray_windows_do_not_outvote_the_rest() -> None:
+    """A tenth of the windows may be off by any amount; one more counts."""
+    levels, model = Levels(), two_link(ARM)
+    twice = [two_link_recording(levels, seed, ("q", "theta")) for seed in (0, 1)]
+    shot = shoot(model, Windows.of(model, twice, levels.noise()))
+    count = len(shot.x0)
+    spared = count - math.ceil((1.0 - STRAY_SHARE) * count)
+    assert spared > 0
+    before = shot.left
+
+    def with_stray(some: int) -> float:
+        far = shot.residual.copy()
+        far[:some] += 100.0 * shot.std[:some]
+        return dataclasses.replace(shot, residual=far).left
+
+    assert before == pytest.approx(1.0, abs=0.25)
+    assert with_stray(spared) < 1.5
+    assert with_stray(spared + 1) > 10.0

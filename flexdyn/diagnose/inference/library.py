@@ -72,10 +72,15 @@ class Library:
 
     @lazy
     def reference(self) -> Array:
-        """Root mean square of what each equation is about: torque, or deflection (equations,)."""
-        motions = self.equations.motions
+        """Root mean square of what each equation is about: torque, or deflection (equations,).
+
+        Computed positions have the torque's noise, which only the second filter takes off their accelerations.
+        """
+        motions, filters = self.equations.motions, self.equations.filters
+        calm = filters.rows if self.equations.made_up.any() else np.asarray
         tau, needed, delta = (
-            np.concatenate([getattr(along, name) for along in motions]) for name in ("tau", "inverse_dynamics", "delta")
+            np.concatenate([calm(getattr(along, name)) for along in motions])
+            for name in ("tau", "inverse_dynamics", "delta")
         )
         torque = np.sqrt(np.maximum((tau**2).mean(axis=0), (needed**2).mean(axis=0)))
         torque = np.maximum(torque, 1e-6 * max(float(torque.max()), 1e-300))
