@@ -200,6 +200,11 @@ class FlexibleJointModel(Public):
         return lock(np.isfinite(self.stiffness))
 
     @cached_property
+    def rotor_places(self) -> NDArray[np.intp]:
+        """Where each joint's rotor stands in [q, theta of the elastic joints] (n,); that of a rigid joint at its q."""
+        return lock(np.where(self.elastic, self.n + np.cumsum(self.elastic) - 1, np.arange(self.n)))
+
+    @cached_property
     def all_effects(self) -> tuple[Effect, ...]:
         """The model's effects, then the laws of motors under voltage, then the effects of the URDF's <dynamics>."""
         return self.effects + self.motor_laws + self.urdf_effects
