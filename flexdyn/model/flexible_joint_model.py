@@ -293,10 +293,8 @@ class FlexibleJointModel(Public):
         told = any(not number.is_unknown for number in self.links.values())
         if not told and not any(isinstance(effect, ParameterError | JointElasticity) for effect in acting):
             return self
-        true = folded(robot_with_links(self.robot, self.links), self.joints, self.effects)
-        joints = {name: dict(numbers) for name, numbers in true.joints.items()}
-        settings = self._settings() | {"links": unknown_links(self.links)}
-        return FlexibleJointModel(true.robot, joints, true.effects, **settings)
+        robot, joints, effects = folded(robot_with_links(self.robot, self.links), self.joints, self.effects)
+        return FlexibleJointModel(robot, joints, effects, **self._settings() | {"links": unknown_links(self.links)})
 
 
 def _urdf_effects(robot: Robot) -> tuple[Effect, ...]:
