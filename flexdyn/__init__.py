@@ -3,27 +3,17 @@
 from importlib.metadata import version as _version
 
 from flexdyn import effects
-from flexdyn.analysis import (
-    BaseParameters,
-    Equilibrium,
-    HoldingTorques,
-    LawTrial,
-    LinearModel,
-    Modes,
-    PathFrequencies,
-    SteadyFriction,
-    SteadyPoint,
-    base_parameters,
-    equilibrium,
-    frequencies_over_path,
-    frequency_response,
-    holding_torques,
-    linearize,
-    modes,
-    steady_friction,
-    steady_points,
-)
-from flexdyn.batch import run_study
+from flexdyn.analysis.base_parameters import BaseParameters, base_parameters
+from flexdyn.analysis.eigenmodes import modes
+from flexdyn.analysis.equilibrium import Equilibrium, equilibrium
+from flexdyn.analysis.holding import HoldingTorques, holding_torques
+from flexdyn.analysis.linear_model import LinearModel
+from flexdyn.analysis.linearization import frequency_response, linearize
+from flexdyn.analysis.modes_result import Modes
+from flexdyn.analysis.path import PathFrequencies, frequencies_over_path
+from flexdyn.analysis.steady_friction import LawTrial, SteadyFriction, steady_friction
+from flexdyn.analysis.steady_points import SteadyPoint, steady_points
+from flexdyn.batch.run_study import run_study
 from flexdyn.comparison.compare import ChannelError, Comparison, compare
 from flexdyn.control.commands import PD, Controller, FrameWrench, Samples, State
 from flexdyn.control.firmware import Firmware
@@ -35,19 +25,14 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.joint import Joint
 from flexdyn.model.model_file import load_model, save_model, shipped_models
 from flexdyn.plots import Picture, plot
-from flexdyn.records import (
-    ChannelMap,
-    Derivatives,
-    Noise,
-    Recording,
-    RecordingWarning,
-    Smoother,
-    derivatives,
-    estimate_noise,
-    read_map,
-    read_recording,
-    write_recording,
-)
+from flexdyn.records.channelmap.description import ChannelMap
+from flexdyn.records.channelmap.file import read_map
+from flexdyn.records.files import read_recording, write_recording
+from flexdyn.records.notices import RecordingWarning
+from flexdyn.records.recording import Recording
+from flexdyn.records.signals.derivatives import Derivatives, derivatives
+from flexdyn.records.signals.noise import Noise, estimate_noise
+from flexdyn.records.signals.smooth import Smoother
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.simulation import solvers
 from flexdyn.simulation.electrical import Electrical
@@ -56,7 +41,7 @@ from flexdyn.simulation.limits import Exceeded, LimitWarning, enforce_limits
 from flexdyn.simulation.plant import LinkSide
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate, simulate_many
-from flexdyn.viewer import Playback, play
+from flexdyn.viewer.playback import Playback, play
 
 __version__ = _version("flexdyn")
 

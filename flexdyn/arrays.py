@@ -1,4 +1,4 @@
-"""The types of arrays of numbers and of truth values."""
+"""The types of arrays of numbers, of truth values and of indices."""
 
 from __future__ import annotations
 
@@ -7,3 +7,4 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Indices = NDArray[np.intp]

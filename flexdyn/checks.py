@@ -1,4 +1,4 @@
-"""Checks of numbers and words in the user's input, and the type of arrays of numbers."""
+"""Checks of numbers and words in the user's input."""
 
 from __future__ import annotations
 
@@ -7,12 +7,9 @@ from collections.abc import Collection, Hashable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array as Array
 from flexdyn.errors import InputError, did_you_mean
-
-Array = NDArray[np.float64]
-"""An array of doubles."""
 
 
 def as_numbers(key: str, values: Any, problem: str = "numbers are needed", remedy: str | None = None) -> Array:
@@ -102,16 +99,16 @@ def whole(
 
 
 def check_known(word: Any, known: Collection[str], problem: str, **where: Any) -> None:
-    """Refuse a word that is none of the known ones; the remedy names the most similar one.
+    """Refuse a word that is none of the known ones; unless a remedy is given, it names the most similar one.
 
     Args:
         word: the given word.
         known: accepted words.
         problem: the fault, in a few words.
-        where: further arguments of `InputError`: file, key, value, channel.
+        where: further arguments of `InputError`: file, key, value, channel, remedy.
 
     Raises:
         InputError: it is another word.
     """
     if not isinstance(word, Hashable) or word not in known:
-        raise InputError(problem, remedy=did_you_mean(str(word), known), **where)
+        raise InputError(problem, **({"remedy": did_you_mean(str(word), known)} | where))

@@ -189,7 +189,13 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     near = difflib.get_close_matches(str(word), options, n=1, cutoff=0.6)
     if near:
         return f"did you mean '{near[0]}'?"
-    return "known: " + ", ".join(options[:40]) + (", ..." if len(options) > 40 else "")
+    return f"known: {listed(options, 40)}"
+
+
+def listed(names: Iterable[str], most: int) -> str:
+    """The first `most` names for a message, with dots if there are more."""
+    every = list(names)
+    return ", ".join(every[:most]) + (", ..." if len(every) > most else "")
 
 
 def shown(value: Any) -> str:

@@ -13,6 +13,7 @@ from flexdyn.analysis.modes_result import Modes
 from flexdyn.analysis.pose import Pose, pose
 from flexdyn.analysis.statics import Statics
 from flexdyn.arrays import Array
+from flexdyn.checks import check_known
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
@@ -121,8 +122,7 @@ def check_rotors(model: FlexibleJointModel, rotors: str) -> None:
     Raises:
         InputError: either.
     """
-    if rotors not in ("free", "held"):
-        raise InputError("no such choice", key="rotors", value=rotors, remedy="it is free or held")
+    check_known(rotors, ("free", "held"), "no such choice", key="rotors", value=rotors, remedy="it is free or held")
     if rotors == "held" and not model.elastic.any():
         remedy = "give a joint a finite stiffness, or use rotors='free'"
         raise InputError("every joint is rigid: nothing moves with the rotors held", key="rotors", remedy=remedy)
@@ -146,9 +146,6 @@ def modes_at(statics: Statics, q: Array, rotors: Rotors) -> Modes:
     ratios[vibrates] = 0.5 * damping[vibrates] / np.sqrt(squared[vibrates])
     shapes = np.zeros((len(squared), len(tangent.inertia)))
     shapes[:, kept] = (vectors / _largest(vectors)).T
-    link, rotor = shapes[:, :n].copy(), np.zeros((len(squared), n))
-    rotor[:, model.elastic] = shapes[:, n:]
-    rotor[:, ~model.elastic] = link[:, ~model.elastic]
     return Modes(
         name=model.name,
         joint_names=model.joint_names,
@@ -157,8 +154,8 @@ def modes_at(statics: Statics, q: Array, rotors: Rotors) -> Modes:
         frequencies=_hertz(squared),
         damping_ratios=ratios,
         kinds=tuple("vibration" if w > 0 else "rigid-body" if w == 0 else "unstable" for w in squared),
-        link_shapes=link,
-        rotor_shapes=rotor,
+        link_shapes=shapes[:, :n].copy(),
+        rotor_shapes=shapes[:, model.rotor_places],
         poles=tangent.poles(kept),
         anti_resonances=anti_resonances(tangent, model),
     )
@@ -167,9 +164,7 @@ def modes_at(statics: Statics, q: Array, rotors: Rotors) -> Modes:
 def anti_resonances(tangent: Tangent, model: FlexibleJointModel) -> Array:
     """Eigenfrequencies with one rotor held and the others free (n, n + e - 1) [Hz], a row for each motor."""
     rows = []
-    rotor_slot = model.n + np.cumsum(model.elastic) - 1
-    for j in range(model.n):
-        held = int(rotor_slot[j]) if model.elastic[j] else j
+    for held in model.rotor_places:
         kept = [i for i in range(len(tangent.inertia)) if i != held]
         rows.append(_hertz(tangent.squared_frequencies(kept)[0]) if kept else np.empty(0))
     return np.array(rows)

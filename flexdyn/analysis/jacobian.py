@@ -19,14 +19,12 @@ def dry_velocities(model: FlexibleJointModel) -> dict[int, list[Effect]]:
 
     On a rigid joint the motor's dry friction acts on v.
     """
-    slot = np.cumsum(model.elastic) - 1
     contacts: dict[int, list[Effect]] = {}
     for effect in model.all_effects:
         if effect.stage != "dry" or effect.is_neutral or not isinstance(effect, JointEffect):
             continue
         j = model.index(effect.joint)
-        on_rotor = effect.side == "motor" and model.elastic[j]
-        contacts.setdefault(model.n + int(slot[j]) if on_rotor else j, []).append(effect)
+        contacts.setdefault(int(model.rotor_places[j]) if effect.side == "motor" else j, []).append(effect)
     return contacts
 
 

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.analysis.pose import checked_frequencies
 from flexdyn.arrays import Array
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.checks import check_known
+from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
@@ -126,8 +127,7 @@ def output_matrix(model: FlexibleJointModel, size: int, outputs: Sequence[str]) 
     names = []
     for output in outputs:
         signal, _, joint = str(output).partition(".")
-        if signal not in SIGNALS:
-            raise InputError("no such signal", key="outputs", value=output, remedy=did_you_mean(signal, SIGNALS))
+        check_known(signal, SIGNALS, "no such signal", key="outputs", value=output)
         names += [
             f"{signal}.{each}" for each in ((model.joint_names[model.index(joint)],) if joint else model.joint_names)
         ]
@@ -135,10 +135,8 @@ def output_matrix(model: FlexibleJointModel, size: int, outputs: Sequence[str]) 
 
 
 def _row(model: FlexibleJointModel, size: int, signal: str, joint: str) -> Array:
-    j, n = model.index(joint), model.n
-    half = n + int(model.elastic.sum())
-    elastic = bool(model.elastic[j])
-    rotor = n + int(model.elastic[:j].sum()) if elastic else j
+    j, half = model.index(joint), model.n + int(model.elastic.sum())
+    rotor = int(model.rotor_places[j])
     if signal == "deflection":
         row = np.zeros(size)
         row[rotor] += 1.0

@@ -14,6 +14,7 @@ from flexdyn.analysis.linear_model import LinearModel, output_matrix, state_name
 from flexdyn.analysis.pose import Pose, pose, torques, vector
 from flexdyn.analysis.statics import Statics
 from flexdyn.arrays import Array
+from flexdyn.checks import check_known
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import build_plant
@@ -61,8 +62,7 @@ def linearize(
         (24, 6)
     """
     model, delays = checked_model(model), command_delays(model)
-    if stuck not in ("free", "held"):
-        raise InputError("no such choice", key="stuck", value=stuck, remedy="it is free or held")
+    check_known(stuck, ("free", "held"), "no such choice", key="stuck", value=stuck, remedy="it is free or held")
     x0, tau0 = _point(model, x, tau, t)
     joints = [model.index(joint) for joint in (model.joint_names if inputs is None else inputs)]
     names, C = output_matrix(model, len(x0), outputs)
@@ -142,9 +142,7 @@ def _point(
         state = vector(x, size, "x", f"a pose has {n} numbers, a state {size}: q, theta, v, omega, internal states")
     if tau is not None:
         return state, torques(model, tau)
-    theta = state[:n].copy()
-    theta[model.elastic] = state[n : n + int(model.elastic.sum())]
-    return state, statics.holding(state[:n], theta)
+    return state, statics.holding(state[:n], state[model.rotor_places])
 
 
 def _constrained(statics: Statics, x: Array, rows: Array, held: list[int]) -> Array:
@@ -163,7 +161,7 @@ def _input_matrix(statics: Statics, x: Array, gains: Array, held: list[int]) -> 
     half = n + int(model.elastic.sum())
     B = np.zeros((len(x), n))
     driven = np.zeros((half, n))
-    driven[np.where(model.elastic, n + np.cumsum(model.elastic) - 1, range(n)), range(n)] = gains
+    driven[model.rotor_places, range(n)] = gains
     B[half : 2 * half] = np.linalg.solve(statics.inertia(x[:n]), driven)
     B[half : 2 * half] = _constrained(statics, x, B[half : 2 * half], held)
     return B

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.arrays import Array, Flags
+from flexdyn.errors import listed
 from flexdyn.io.locked import Locked
 from flexdyn.io.notebook import card, table
 
@@ -85,8 +86,7 @@ class Modes(Locked):
         for kind in dict.fromkeys(self.kinds):
             rows = [k for k, each in enumerate(self.kinds) if each == kind]
             hertz = [f"{self.frequencies[k]:.4g}" for k in rows if self.frequencies[k] > 0.0]
-            more = ", ..." if len(hertz) > MOST_FREQUENCIES else ""
-            at = f" at {', '.join(hertz[:MOST_FREQUENCIES])}{more} Hz" if hertz else ""
+            at = f" at {listed(hertz, MOST_FREQUENCIES)} Hz" if hertz else ""
             told.append(f"{len(rows)} {kind}{at}")
         return f"<Modes of {self.name}, rotors {self.rotors}: {'; '.join(told)}>"
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn.arrays import Array
-from flexdyn.checks import as_numbers
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.checks import as_numbers, check_known
+from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Pose = ArrayLike | Mapping[str, float] | None
@@ -57,9 +57,7 @@ def _of_joints(
     names = model.joint_names
     if isinstance(given, Mapping):
         for joint in given:
-            if joint not in names:
-                remedy = did_you_mean(str(joint), names)
-                raise InputError("the robot has no such joint", key=f"{key}.{joint}", remedy=remedy)
+            check_known(joint, names, "the robot has no such joint", key=f"{key}.{joint}")
         given = [{**others, **given}.get(joint, 0.0) for joint in names]
     return vector(given, model.n, key, f"one number for each of {', '.join(names)}")
 

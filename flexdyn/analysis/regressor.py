@@ -12,8 +12,8 @@ from flexdyn.arrays import Array
 from flexdyn.effects import CoulombFriction, Payload, TorqueOffset, ViscousFriction
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.records import derivatives
 from flexdyn.records.given import as_recording
+from flexdyn.records.signals.derivatives import derivatives
 from flexdyn.robot.tree import Tree
 
 MOST_SAMPLES_ALONG = 4000

@@ -10,15 +10,14 @@ from threading import Lock
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.batch.aim import Aim, aim_of
 from flexdyn.batch.catalogue import Metric
 from flexdyn.batch.draws import drawn
 from flexdyn.batch.metrics import metrics_of
 from flexdyn.batch.places import Changes, NumberPlace, places
 from flexdyn.batch.study import Study
-from flexdyn.checks import Array
 from flexdyn.control.commands import PD
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -87,13 +86,9 @@ class Cases:
         return metrics_of(self.study.metrics, self.model, self.aim, folder=Path(self.study.folder))
 
     @cached_property
-    def times(self) -> NDArray[np.float64]:
+    def times(self) -> Array:
         """Times of the stored samples (samples,) [s]."""
         return self.job(Case(self.model, self.command, {})).out["t"]
-
-    def values(self, k: int) -> dict[str, float]:
-        """The drawn numbers of run k, by path."""
-        return drawn(self.study, k)
 
     def case(self, k: int) -> Case:
         """Run k.
@@ -101,7 +96,7 @@ class Cases:
         Raises:
             InputError: a number was drawn that the model or the command cannot have.
         """
-        return self.case_of(self.values(k))
+        return self.case_of(drawn(self.study, k))
 
     def case_of(self, values: Mapping[str, float]) -> Case:
         """The run with these numbers.
@@ -119,7 +114,7 @@ class Cases:
 
     def together(
         self, table: Mapping[str, Array], out: Mapping[str, Array], progress: Callable[[int], None] | None
-    ) -> NDArray[np.bool_]:
+    ) -> Flags:
         """Integrate runs together if they differ only in numbers of one plant.
 
         Args:

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Indices
 from flexdyn.batch.cases import Case, Cases, cases_of_text
 from flexdyn.batch.draws import table
 from flexdyn.batch.layout import DONE, array_name
@@ -23,7 +23,7 @@ from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate_many
 
-Numbers = Mapping[str, NDArray[np.float64]]
+Numbers = Mapping[str, Array]
 STARTS = ("q0", "v0", "theta0", "omega0")
 
 
@@ -87,7 +87,7 @@ class Made:
         runs: those that were made one by one, by their index in the chunk.
     """
 
-    signals: dict[str, NDArray[np.float64]]
+    signals: dict[str, Array]
     reasons: list[str]
     runs: dict[int, Run]
 
@@ -120,7 +120,7 @@ def _simulated(cases: Cases, numbers: Numbers, count: int, stopped: Callable[[],
 
 
 def _one_by_one(
-    cases: Cases, numbers: Numbers, which: NDArray[np.intp], poll: Callable[[int], None]
+    cases: Cases, numbers: Numbers, which: Indices, poll: Callable[[int], None]
 ) -> list[Run | FlexdynError]:
     """Single runs, or the reasons why they failed."""
     made = [_case(cases, {path: float(column[i]) for path, column in numbers.items()}) for i in which]

@@ -9,8 +9,8 @@ from statistics import NormalDist
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.checks import check_known, number
 from flexdyn.errors import InputError
 
@@ -96,7 +96,7 @@ class Distribution:
         """The quantile for a share (0 < share < 1)."""
         return self.law.quantile(self.first, self.second, share)
 
-    def values(self, shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    def values(self, shares: Array) -> Array:
         """The quantiles for several shares."""
         return np.array([self.value(share) for share in shares.tolist()])
 

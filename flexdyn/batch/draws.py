@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from hashlib import blake2b
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.batch.distributions import Distribution
 from flexdyn.batch.study import Study
 
@@ -22,7 +22,7 @@ def drawn(study: Study, k: int) -> dict[str, float]:
     return {path: float(column[0]) for path, column in table(study, range(k, k + 1)).items()}
 
 
-def table(study: Study, runs: range) -> dict[str, NDArray[np.float64]]:
+def table(study: Study, runs: range) -> dict[str, Array]:
     """The numbers of some runs (runs,) by their path, in the order of ``vary``.
 
     The points of the grid are counted with the last path changing fastest, and each has ``study.runs`` runs one after
@@ -34,7 +34,7 @@ def table(study: Study, runs: range) -> dict[str, NDArray[np.float64]]:
         runs: from 0 to ``study.count - 1``.
     """
     points = [k // study.runs for k in runs]
-    columns: dict[str, NDArray[np.float64]] = {}
+    columns: dict[str, Array] = {}
     for path, kind in reversed(list(study.kinds.items())):
         if isinstance(kind, Distribution):
             columns[path] = kind.values(shares(study.seed, path, runs))
@@ -45,7 +45,7 @@ def table(study: Study, runs: range) -> dict[str, NDArray[np.float64]]:
     return {path: columns[path] for path in study.kinds}
 
 
-def shares(seed: int, path: str, runs: Iterable[int]) -> NDArray[np.float64]:
+def shares(seed: int, path: str, runs: Iterable[int]) -> Array:
     """A random number for each run, uniform over 0 < share < 1, the same on every machine.
 
     The generator is counter-based: BLAKE2b with seed and path as key and k as counter; the upper 52 bits of a block are

@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from flexdyn.batch.cases import cases_of
+from flexdyn.batch.draws import drawn
 from flexdyn.batch.study import Study
 from flexdyn.checks import whole
 from flexdyn.control.commands import PD
 from flexdyn.errors import InputError
-from flexdyn.io.files import write_text
+from flexdyn.io.files import make_folder, write_text
 from flexdyn.io.yaml import dump_yaml
 from flexdyn.model.model_file import save_model
 from flexdyn.records import Recording, write_recording
@@ -59,10 +60,7 @@ def extract(study: Study, k: int, folder: Path) -> Extracted:
     cases = cases_of(study)
     case = cases.case(k)
     settings = _settings(study.solver)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"the folder cannot be made ({error.strerror})", file=folder) from None
+    make_folder(folder)
     model, command = folder / "model.yaml", _write_command(case.command, folder)
     save_model(case.model, model)
     words = ["flexdyn", "simulate", str(model)]
@@ -71,7 +69,7 @@ def extract(study: Study, k: int, folder: Path) -> Extracted:
     for signal, start in case.starts.items():
         words += [f"--{signal}", ",".join(f"{joint}={float(value)!r}" for joint, value in start.items())]
     words += ["-o", str(folder / "run.npz")]
-    return Extracted(k, model, command, cases.values(k), shlex.join(words))
+    return Extracted(k, model, command, drawn(study, k), shlex.join(words))
 
 
 def _settings(solver: Mapping[str, Any]) -> list[str]:

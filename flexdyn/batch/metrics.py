@@ -13,8 +13,8 @@ from threading import Lock
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.batch.aim import Aim
 from flexdyn.batch.catalogue import METRICS, Metric, RunMetric
 from flexdyn.batch.motion import RunsMotion
@@ -77,7 +77,7 @@ def metrics_of(
     return tuple(found)
 
 
-def measure(metrics: Sequence[Metric], motion: RunsMotion) -> tuple[NDArray[np.float64], list[list[str]]]:
+def measure(metrics: Sequence[Metric], motion: RunsMotion) -> tuple[Array, list[list[str]]]:
     """All metrics of some runs; a missing one is NaN, with a reason.
 
     Args:
@@ -163,12 +163,7 @@ def _first_in_path(module: str, folder: Path | None) -> Iterator[None]:
     importlib.invalidate_caches()
     spec = PathFinder.find_spec(top, [place])
     loaded = getattr(sys.modules.get(top), "__file__", None)
-    if (
-        spec is not None
-        and spec.origin is not None
-        and loaded
-        and Path(spec.origin).resolve() != Path(loaded).resolve()
-    ):
+    if spec and spec.origin and loaded and Path(spec.origin).resolve() != Path(loaded).resolve():
         remedy = "rename the file, or start Python anew"
         raise InputError(f"another module {top} is loaded already, from {loaded}", value=module, remedy=remedy)
     sys.path.insert(0, place)

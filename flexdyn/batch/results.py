@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -146,24 +146,21 @@ class Results(Public):
             ),
         )
 
-    def plot(
-        self,
-        path: str | Path | None = None,
-        *,
-        views: Sequence[str] | str | None = None,
-        metrics: Sequence[str] | None = None,
-        parameters: Sequence[str] | None = None,
-        channels: Sequence[str] | None = None,
-    ) -> Picture:
+    def plot(self, path: str | Path | None = None, **choice: Any) -> Picture:
         """Draw it: metrics over parameters, influences of parameters on metrics, and trajectories of all runs.
 
         Args:
             path: of a file to write, if given: .png, .pdf, .svg, or .html, which is interactive.
-            views: of ``metrics`` (each over each parameter), ``sensitivities`` (tornado), ``trajectories`` (quantiles
-                over runs); default: all for which there are data.
-            metrics: to be drawn; default: the first 6.
-            parameters: to be drawn; default: the 6 with the largest influence.
-            channels: to be drawn as trajectories; default: all that were stored.
+            choice: what is drawn, as keywords:
+
+                views: of ``metrics`` (each over each parameter), ``sensitivities`` (tornado), ``trajectories``
+                (quantiles over runs); default: all for which there are data.
+
+                metrics: default: the first 6.
+
+                parameters: default: the 4 with the largest influence.
+
+                channels: drawn as trajectories; default: all that were stored.
 
         Returns:
             The picture: ``show()`` opens it in the browser, ``save(path)`` writes it.
@@ -174,7 +171,7 @@ class Results(Public):
         """
         from flexdyn.batch.pictures import draw_results
 
-        picture = draw_results(self, views=views, metrics=metrics, parameters=parameters, channels=channels)
+        picture = draw_results(self, **choice)
         if path is not None:
             picture.save(path)
         return picture

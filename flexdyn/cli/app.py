@@ -7,10 +7,10 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from flexdyn.checks import check_known
 from flexdyn.cli import completion
 from flexdyn.cli.failures import ProgramInterrupted
 from flexdyn.cli.options import flag
-from flexdyn.errors import InputError, did_you_mean
 
 INSTALLS = "Let the shell complete commands, options and names, from its next start on."
 SHOWS = "Print what --install-completion would install."
@@ -25,8 +25,8 @@ class Commands(TyperGroup):
         Raises:
             InputError: there is none.
         """
-        if args and args[0] not in self.commands:
-            raise InputError("no such command", value=args[0], remedy=did_you_mean(args[0], self.commands))
+        if args:
+            check_known(args[0], self.commands, "no such command", value=args[0])
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:

@@ -68,7 +68,7 @@ def batch(
 def _run(
     study: Path, output: Path | None, workers: int | None, scheduler: str | None, resume: bool, as_json: bool
 ) -> None:
-    from flexdyn.batch import run_study
+    from flexdyn.batch.run_study import run_study
 
     if study.is_dir():
         remedy = "give a study file; of a store --summary or --extract K"
@@ -97,9 +97,7 @@ def _summarise(store: Path, output: Path | None, views: list[str] | None, as_jso
     results = open_results(store)
     if path is not None:
         results.plot(path, views=views or None)
-    answer(results.summary(), summary_parts, as_json)
-    if path is not None and not as_json:
-        show(f"drawn in {path}")
+    answer(results.summary(), summary_parts, as_json, path)
 
 
 def _extract(store: Path, k: int, output: Path | None, as_json: bool) -> None:

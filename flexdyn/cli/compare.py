@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from flexdyn.cli.options import JsonOption, naming, output_option, picture_file
-from flexdyn.cli.output import answer, number, show, table
+from flexdyn.cli.output import answer, number, table
 from flexdyn.cli.plot import FromOption, MapsOption, ToOption, load_all, window
 from flexdyn.comparison.compare import Comparison
 from flexdyn.comparison.compare import compare as compare_two
@@ -53,9 +53,7 @@ def compare(
         found = compare_two(one, two, start=low, end=high)
         if path is not None:
             found.plot(path)
-    answer(found, report, as_json)
-    if path is not None and not as_json:
-        show(f"drawn in {path}")
+    answer(found, report, as_json, path)
 
 
 def report(found: Comparison) -> list[Any]:

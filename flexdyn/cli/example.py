@@ -7,10 +7,11 @@ from typing import Annotated
 
 import typer
 
+from flexdyn.checks import check_known
 from flexdyn.cli import completion
 from flexdyn.cli.options import output_folder, output_option
 from flexdyn.cli.output import show, table
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError
 
 
 def example(
@@ -32,8 +33,7 @@ def example(
         rows = [(known, case.words) for known, case in EXAMPLES.items()]
         show(table("Examples", ("name", "what the model lacks"), rows), "flexdyn example NAME writes one.")
         return
-    if name not in EXAMPLES:
-        raise InputError("no such example", key="NAME", value=name, remedy=did_you_mean(name, EXAMPLES))
+    check_known(name, EXAMPLES, "no such example", key="NAME", value=name)
     folder = Path(name) if output is None else output
     output_folder(folder)
     if folder.exists() and any(folder.iterdir()):

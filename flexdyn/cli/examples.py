@@ -11,7 +11,7 @@ import numpy as np
 
 from flexdyn.control.commands import PD, Samples
 from flexdyn.effects import Backlash, CoulombFriction, Effect, StribeckFriction, ViscousFriction
-from flexdyn.io.files import write_text
+from flexdyn.io.files import make_folder, write_text
 from flexdyn.io.text import fill
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model, save_model
@@ -68,7 +68,7 @@ def write_example(name: str, folder: Path) -> tuple[Path, ...]:
     """
     model = model_of_the_examples()
     robot = model.replace(effects=[EXAMPLES[name].hidden])
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     files = tuple(folder / file for file in ("model.yaml", "monday.csv", "tuesday.csv", "README.txt"))
     save_model(model, files[0])
     for day, file in enumerate(files[1:3]):

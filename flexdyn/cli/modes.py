@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.analysis import Modes, PathFrequencies, frequencies_over_path, modes
+from flexdyn.analysis.eigenmodes import modes
+from flexdyn.analysis.modes_result import Modes
+from flexdyn.analysis.path import PathFrequencies, frequencies_over_path
 from flexdyn.cli.output import number, table
 from flexdyn.errors import placed
 from flexdyn.model.flexible_joint_model import FlexibleJointModel

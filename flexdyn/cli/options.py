@@ -11,8 +11,10 @@ from typing import Annotated, Any
 
 import typer
 
+from flexdyn.checks import check_known
 from flexdyn.cli import completion
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError
+from flexdyn.io.files import check_suffix
 from flexdyn.plots.picture import FILES
 
 
@@ -70,10 +72,7 @@ def by_joint(option: str, texts: Sequence[str], joint_names: Sequence[str]) -> d
         names = list(joint_names)
     values: dict[str, float] = {}
     for name, (_, _, text) in zip(names, named, strict=True):
-        if name not in joint_names:
-            raise InputError(
-                "the robot has no such joint", key=option, value=name, remedy=did_you_mean(name, joint_names)
-            )
+        check_known(name, joint_names, "the robot has no such joint", key=option, value=name)
         if name in values:
             raise InputError("the joint is given twice", key=option, value=name)
         values[name] = decimal(f"{option} {name}", text)
@@ -124,13 +123,10 @@ def output_file(option: str, path: Path | None, suffixes: Sequence[str], *, inpu
     Raises:
         InputError: not given, an unknown suffix, no such folder, no right to write there, or an input.
     """
-    known = ", ".join(suffixes)
     if path is None:
-        raise InputError("say which file to write", key=option, remedy=f"give a path that ends in one of {known}")
-    if path.suffix.lower() not in suffixes:
-        near = did_you_mean(path.suffix.lower(), suffixes)
-        remedy = near if near.startswith("known") else f"{near} known: {known}"
-        raise InputError("unknown suffix of a file to write", file=path, key=option, value=path.suffix, remedy=remedy)
+        remedy = f"give a path that ends in one of {', '.join(suffixes)}"
+        raise InputError("say which file to write", key=option, remedy=remedy)
+    check_suffix(path, suffixes, "a file to write", key=option)
     folder = path.parent
     if not folder.is_dir():
         raise InputError("no such folder", file=path, key=option, value=str(folder), remedy="make it first")

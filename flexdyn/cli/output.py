@@ -8,6 +8,7 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexdyn.cli.sheet import Sheet
@@ -60,12 +61,12 @@ def show_json(document: Any) -> None:
     sys.stdout.write("".join(safe) + "\n")
 
 
-def answer(found: Any, report: Callable[[Any], Iterable[Any]], as_json: bool) -> None:
-    """Print a result: as JSON, or the texts and tables of its report."""
+def answer(found: Any, report: Callable[[Any], Iterable[Any]], as_json: bool, drawn: Path | None = None) -> None:
+    """Print a result: as JSON, or the texts and tables of its report, and the path of its picture."""
     if as_json:
         show_json(found.to_dict())
     else:
-        show(*report(found))
+        show(*report(found), None if drawn is None else f"drawn in {drawn}")
 
 
 def note(text: str) -> None:

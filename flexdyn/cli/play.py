@@ -49,7 +49,7 @@ def play(
     The page is served on 127.0.0.1 until Ctrl-C. It shows the arm, at each elastic joint a dial with the deflection
     magnified, and the path of the tip. --map belongs to OTHER, or to RUN if there is no OTHER.
     """
-    from flexdyn.viewer import play as watch
+    from flexdyn.viewer.playback import play as watch
     from flexdyn.viewer.rigid import RIGID
 
     if html is not None:

@@ -168,12 +168,11 @@ def _starts(model: FlexibleJointModel, **given: list[str] | None) -> dict[str, A
 
 def _read_command(path: Path | None, map: Path | None) -> Any:
     """The command; the name of a recording is its path, so that errors can name the file."""
-    is_recording = path is not None and path.suffix.lower() not in (".yaml", ".yml")
-    if map is not None and not is_recording:
+    if path is not None and path.suffix.lower() not in (".yaml", ".yml"):
+        return load(path, map=map, name=str(path))
+    if map is not None:
         raise InputError("there is no recording to map", file=map, key="--map", remedy="give one as --command")
-    if path is None or is_recording:
-        return None if path is None else load(path, map=map, name=str(path))
-    return read_command_file(path)
+    return None if path is None else read_command_file(path)
 
 
 def _can_write(path: Path) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from flexdyn.comparison.difference import common_rows, difference, root_mean_square
 from flexdyn.comparison.motion_sources import MotionSource, as_sources, unit_in
-from flexdyn.errors import InputError, did_you_mean, visible
+from flexdyn.errors import InputError, did_you_mean, listed, visible
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.records.signals.gaps import in_gaps
 
@@ -162,7 +162,8 @@ def compare(first: Any, second: Any, *, start: float | None = None, end: float |
     common = [name for name in one.recording.channels if name in two.recording]
     if not common:
         problem = f"{one.name} and {two.name} have no channel in common"
-        remedy = f"the one has {_listed(one)}; the other {_listed(two)}; rename channels by a map"
+        has = [listed(each.recording.channels, 4) for each in (one, two)]
+        remedy = f"the one has {has[0]}; the other {has[1]}; rename channels by a map"
         raise InputError(problem, key="channels", remedy=remedy)
     rows = common_rows(one, two, start, end)
     errors = tuple(_channel_error(one, two, name, rows) for name in common)
@@ -195,8 +196,3 @@ def _channel_error(one: MotionSource, two: MotionSource, channel: str, rows: sli
         bias=float(error.mean()),
         relative=both.rms / spread if varies else None,
     )
-
-
-def _listed(source: MotionSource) -> str:
-    names = list(source.recording.channels)
-    return ", ".join(names[:4]) + (", ..." if len(names) > 4 else "")

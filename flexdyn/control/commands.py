@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexdyn.checks import Array, as_numbers, number
+from flexdyn.checks import Array, as_numbers, check_known, number
 from flexdyn.errors import InputError
 
 Interpolation = Literal["hold", "linear", "monotone", "cubic"]
@@ -95,8 +95,7 @@ class Samples:
             return self.values
         out = np.zeros((len(self.t), len(joint_names)))
         for k, joint in enumerate(self.joints):
-            if joint not in joint_names:
-                raise InputError("the robot has no such joint", value=joint, **place)
+            check_known(joint, joint_names, "the robot has no such joint", value=joint, **place)
             out[:, list(joint_names).index(joint)] = self.values[:, k]
         return out
 
@@ -244,8 +243,8 @@ class FrameWrench:
 
     def __post_init__(self) -> None:
         """Check that there are six columns."""
-        if self.axes not in ("world", "frame"):
-            raise InputError("no such axes", key="external.axes", value=self.axes, remedy="they are world or frame")
+        remedy = "they are world or frame"
+        check_known(self.axes, ("world", "frame"), "no such axes", key="external.axes", value=self.axes, remedy=remedy)
         if isinstance(self.samples, Samples):
             width = self.samples.values.shape[1]
         else:
@@ -261,8 +260,8 @@ class FrameWrench:
 
 
 def _check_interpolation(key: str, given: Any) -> None:
-    if given not in INTERPOLATIONS:
-        raise InputError("no such interpolation", key=key, value=given, remedy=f"it is {', '.join(INTERPOLATIONS)}")
+    remedy = f"it is {', '.join(INTERPOLATIONS)}"
+    check_known(given, INTERPOLATIONS, "no such interpolation", key=key, value=given, remedy=remedy)
 
 
 def check_feedback(key: str, given: Any) -> None:
@@ -271,8 +270,7 @@ def check_feedback(key: str, given: Any) -> None:
     Raises:
         InputError: it is neither.
     """
-    if given not in ("theta", "q"):
-        raise InputError("no such feedback", key=key, value=given, remedy="it is theta or q")
+    check_known(given, ("theta", "q"), "no such feedback", key=key, value=given, remedy="it is theta or q")
 
 
 def checked_rate(key: str, rate: Any) -> float:
@@ -293,9 +291,8 @@ def per_joint(key: str, value: Any, joint_names: Sequence[str]) -> Array:
     n = len(joint_names)
     if isinstance(value, Mapping):
         for joint in value:
-            if joint not in joint_names:
-                remedy = f"the joints are {', '.join(joint_names)}"
-                raise InputError("the robot has no such joint", key=f"{key}.{joint}", remedy=remedy)
+            remedy = f"the joints are {', '.join(joint_names)}"
+            check_known(joint, joint_names, "the robot has no such joint", key=f"{key}.{joint}", remedy=remedy)
         for joint in joint_names:
             if joint not in value:
                 raise InputError("a joint is missing", key=f"{key}.{joint}", remedy="give it a number, 0 for none")

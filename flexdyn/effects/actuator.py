@@ -156,10 +156,6 @@ class CommandDelay(ActuatorEffect):
     order = -1
     grids = {"delay": ("one", (0.0005, 0.001, 0.002, 0.004, 0.008))}
     prevalence = "often"
+    late_by = "delay"
 
     delay: float = parameter("s", lower=0.0)
-
-    @property
-    def lateness(self) -> float:
-        """See the base class."""
-        return self.delay

@@ -101,6 +101,8 @@ class Effect:
         bends_spring: with it, the transmission is no linear spring.
         makes_elastic: a joint that the model takes for rigid becomes elastic.
         is_constant: a torque that neither the motion nor the command changes; a force sensor may have it too.
+        small_size: size of what it is linear in at which a diagnosis computes what it does; `small` may depend on more.
+        late_by: the parameter by which it shifts a signal in time [s]; empty: it shifts none.
     """
 
     name: ClassVar[str]
@@ -119,6 +121,8 @@ class Effect:
     contains: ClassVar[tuple[str, ...]] = ()
     plainer: ClassVar[tuple[str, ...]] = ()
     natural_size: ClassVar[float] = math.inf
+    small_size: ClassVar[float] = 1.0
+    late_by: ClassVar[str] = ""
     prevalence: ClassVar[Prevalence] = "seldom"
     of_velocity: ClassVar[bool] = False
     of_recorded_torque: ClassVar[bool] = False
@@ -170,7 +174,7 @@ class Effect:
     @property
     def lateness(self) -> float:
         """Time by which it shifts a signal [s]; 0: it shifts none."""
-        return 0.0
+        return float(getattr(self, self.late_by)) if self.late_by else 0.0
 
     @property
     def in_numbers(self) -> bool:
@@ -248,7 +252,7 @@ class Effect:
     @classmethod
     def small(cls, extent: MotionExtent) -> float:
         """Size of what it is linear in at which a diagnosis computes what it does."""
-        return 1.0
+        return cls.small_size
 
     def largest(self, name: str) -> float:
         """Largest value that a fit gives a parameter."""

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.effects.base import JointEffect, parameter, spaced
 from flexdyn.effects.extent import SLOW_HARMONICS, MotionExtent
 from flexdyn.effects.memory import MemoryEffect
@@ -35,6 +35,7 @@ class PositionDependentFriction(WaveEffect, JointEffect):
     law = "amplitude*(1 + sin(harmonic*x + phase))*Sgn(u)"
     shown = {"amplitude": 0.5, "harmonic": 2.0, "phase": 0.0}
     linear_bounds = (-math.inf, -math.inf, -math.inf)
+    small_size = 1.0
     contains = ("coulomb_friction",)
     plainer = ("coulomb_friction",)
 
@@ -49,11 +50,6 @@ class PositionDependentFriction(WaveEffect, JointEffect):
     def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
         """From the weights of ``1 + sin``, ``1 + cos`` and ``1 - sin``."""
         return super().numbers_of(point, (x[0] - x[2], x[1]))
-
-    @classmethod
-    def small(cls, extent: MotionExtent) -> float:
-        """See the base class."""
-        return 1.0
 
 
 class PreslidingFriction(MemoryEffect):
@@ -102,7 +98,7 @@ class PreslidingFriction(MemoryEffect):
         """Largest bend of the bristles, level/stiffness [rad or m]."""
         return self.level / self.stiffness
 
-    def _torque_of(self, z: NDArray[np.float64], rate: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _torque_of(self, z: Array, rate: Array) -> Array:
         return self.stiffness * z + self.damping * rate
 
 

@@ -30,14 +30,10 @@ class Payload(Effect):
     shown = {"mass": 1.0}
 
     linear = ("mass",)
+    small_size = 1e-3
 
     mass: float = parameter("kg", lower=0.0)
     frame: str | None = None
-
-    @classmethod
-    def small(cls, extent: MotionExtent) -> float:
-        """See the base class."""
-        return 1e-3
 
 
 class LinkEffect(JointEffect, abstract=True):

@@ -103,13 +103,9 @@ class ChannelLag(SensorEffect):
     neutral = {"delay": 0.0}
     shown = {"delay": 0.005}
     prevalence = "often"
+    late_by = "delay"
 
     delay: float = parameter("s", lower=0.0)
-
-    @property
-    def lateness(self) -> float:
-        """See the base class."""
-        return self.delay
 
     def measured(self, x: ArrayLike, t: ArrayLike) -> Array:
         """What the sensor reports: see the base class."""
@@ -195,13 +191,9 @@ class SensorGain(SensorEffect):
     shown = {"gain": 0.05}
     natural_size = 0.03
     linear = ("gain",)
+    small_size = 1e-4
 
     gain: float = parameter("1")
-
-    @classmethod
-    def small(cls, extent: MotionExtent) -> float:
-        """See the base class."""
-        return 1e-4
 
     def error(self, x: Array) -> Array:
         """Proportional to the value."""

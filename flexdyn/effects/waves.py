@@ -9,7 +9,6 @@ from typing import ClassVar
 import numpy as np
 
 from flexdyn.effects.base import Effect, parameter
-from flexdyn.effects.extent import MotionExtent
 
 POSITION_STEP = 1e-6
 """Amplitude of a wave in a position at which a diagnosis computes what it does [rad or m]."""
@@ -22,6 +21,7 @@ class WaveEffect(Effect, abstract=True):
     periodic = True
     linear_bounds: ClassVar[tuple[float, ...]] = (-math.inf, -math.inf)
     axes = ("harmonic",)
+    small_size: ClassVar[float] = POSITION_STEP
 
     amplitude: float = parameter("rad")
     harmonic: float = parameter("1")
@@ -31,8 +31,3 @@ class WaveEffect(Effect, abstract=True):
     def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
         """From its sine and cosine parts."""
         return {"amplitude": float(np.hypot(x[0], x[1])), "harmonic": point[0], "phase": math.atan2(x[1], x[0])}
-
-    @classmethod
-    def small(cls, extent: MotionExtent) -> float:
-        """See the base class."""
-        return POSITION_STEP

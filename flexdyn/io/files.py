@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import secrets
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
-from flexdyn.errors import InputError
+from flexdyn.checks import check_known
+from flexdyn.errors import InputError, did_you_mean
 
 
 @contextmanager
@@ -47,6 +49,45 @@ def exists(path: str | Path) -> bool:
 def is_file(path: str | Path) -> bool:
     """Whether the path exists and is a file; like `exists` otherwise."""
     return exists(path) and Path(path).is_file()
+
+
+def check_suffix(path: Path, suffixes: Collection[str], what: str, **where: Any) -> None:
+    """Refuse a path with another suffix; the remedy names the most similar one and all.
+
+    Args:
+        path: of a file.
+        suffixes: that are known.
+        what: the file is, for the message.
+        where: further arguments of `InputError`.
+
+    Raises:
+        InputError: the suffix is none of these.
+    """
+    suffix, known = path.suffix.lower(), f"known: {', '.join(suffixes)}"
+    near = did_you_mean(suffix, suffixes)
+    remedy = near if near == known else f"{near} {known}"
+    check_known(suffix, suffixes, f"unknown suffix of {what}", file=path, value=path.suffix, remedy=remedy, **where)
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder and those above it, unless they are there.
+
+    Raises:
+        InputError: it cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        problem = f"the folder cannot be made ({error.strerror})"
+        raise InputError(problem, file=path, remedy="give the path of another folder") from None
+
+
+def relative(path: Path, folder: Path) -> str:
+    """A path as seen from a folder, with slashes; an absolute one on another drive."""
+    try:
+        return Path(os.path.relpath(path, folder.resolve())).as_posix()
+    except ValueError:
+        return path.as_posix()
 
 
 def write_text(path: Path, text: str) -> None:

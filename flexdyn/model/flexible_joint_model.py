@@ -200,6 +200,11 @@ class FlexibleJointModel(Public):
         return lock(np.isfinite(self.stiffness))
 
     @cached_property
+    def rotor_places(self) -> NDArray[np.intp]:
+        """Where each joint's rotor stands in [q, theta of the elastic joints] (n,); that of a rigid joint at its q."""
+        return lock(np.where(self.elastic, self.n + np.cumsum(self.elastic) - 1, np.arange(self.n)))
+
+    @cached_property
     def all_effects(self) -> tuple[Effect, ...]:
         """The model's effects, then the laws of motors under voltage, then the effects of the URDF's <dynamics>."""
         return self.effects + self.motor_laws + self.urdf_effects
@@ -288,10 +293,8 @@ class FlexibleJointModel(Public):
         told = any(not number.is_unknown for number in self.links.values())
         if not told and not any(isinstance(effect, ParameterError | JointElasticity) for effect in acting):
             return self
-        true = folded(robot_with_links(self.robot, self.links), self.joints, self.effects)
-        joints = {name: dict(numbers) for name, numbers in true.joints.items()}
-        settings = self._settings() | {"links": unknown_links(self.links)}
-        return FlexibleJointModel(true.robot, joints, true.effects, **settings)
+        robot, joints, effects = folded(robot_with_links(self.robot, self.links), self.joints, self.effects)
+        return FlexibleJointModel(robot, joints, effects, **self._settings() | {"links": unknown_links(self.links)})
 
 
 def _urdf_effects(robot: Robot) -> tuple[Effect, ...]:

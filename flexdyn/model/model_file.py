@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import InputError, did_you_mean, placed
-from flexdyn.io.files import exists, is_file, write_text
+from flexdyn.io.files import exists, is_file, relative, write_text
 from flexdyn.io.locked import thawed
 from flexdyn.io.yaml import check_format, check_keys, dump_yaml, parse_yaml, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -206,13 +206,7 @@ def _source(robot: Robot, folder: Path | None) -> str:
 
 
 def _path(path: Path, folder: Path | None) -> str:
-    absolute = path.resolve()
-    if folder is None:
-        return absolute.as_posix()
-    try:
-        return Path(os.path.relpath(absolute, folder.resolve())).as_posix()
-    except ValueError:  # another drive
-        return absolute.as_posix()
+    return path.resolve().as_posix() if folder is None else relative(path.resolve(), folder)
 
 
 def model_in(recording: Recording) -> FlexibleJointModel | None:

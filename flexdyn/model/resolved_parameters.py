@@ -23,28 +23,19 @@ OF_URDF = {"urdf_damping": "damping", "urdf_friction": "friction"}
 OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
 
 
-@dataclasses.dataclass(frozen=True)
-class Folded:
-    """The parts of a model after every wrong number is corrected.
-
-    Attributes:
-        robot: with the true numbers of links and <dynamics>.
-        joints: numbers of each drive.
-        effects: the other effects, with their true parameters.
-    """
-
-    robot: Robot
-    joints: Mapping[str, Mapping[str, Any]]
-    effects: tuple[Effect, ...]
-
-
-def folded(robot: Robot, joints: Mapping[str, Joint], effects: Sequence[Effect]) -> Folded:
+def folded(
+    robot: Robot, joints: Mapping[str, Joint], effects: Sequence[Effect]
+) -> tuple[Robot, dict[str, dict[str, Any]], list[Effect]]:
     """Apply parameter errors, then joint elasticities.
 
     Args:
         robot: as given.
         joints: its drives by name.
         effects: of the model; ``effects[i]`` counts in this list.
+
+    Returns:
+        The robot with the true numbers of links and <dynamics>, the true numbers of each drive, and the other effects
+        with their true parameters.
 
     Raises:
         InputError: an unknown number, or a factor that makes the number invalid; its key is ``effects[i]``.
@@ -67,8 +58,7 @@ def folded(robot: Robot, joints: Mapping[str, Joint], effects: Sequence[Effect])
         if isinstance(effect, JointElasticity) and not effect.is_neutral:
             given = numbers[effect.joint]["stiffness"]
             numbers[effect.joint]["stiffness"] = effect.stiffness + (given if math.isfinite(given) else 0.0)
-    kept = tuple(effect for effect in true if not isinstance(effect, ParameterError | JointElasticity))
-    return Folded(robot, numbers, kept)
+    return robot, numbers, [effect for effect in true if not isinstance(effect, ParameterError | JointElasticity)]
 
 
 def _fold_effect(effects: list[Effect], error: ParameterError) -> None:

@@ -26,8 +26,7 @@ MEASURED = ("q", "v", "theta", "omega", "tau", "tau_applied", "tau_s")
 
 def one_of(key: str, value: str, allowed: tuple[str, ...]) -> str:
     """Check that a setting is one of the allowed words."""
-    if value not in allowed:
-        raise InputError("no such choice", key=key, value=value, remedy=f"it is {' or '.join(allowed)}")
+    check_known(value, allowed, "no such choice", key=key, value=value, remedy=f"it is {' or '.join(allowed)}")
     return value
 
 

@@ -1,4 +1,4 @@
-"""Chapters about the end of the arm: its displacement by the joints' deflection, and a force on it."""
+"""Chapters about the end of the arm: how far the joints' deflection moves it, and a force on it."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def _draw_displacement(canvas: Any, runs: dict[str, Run], sizes: dict[str, Array
 
 
 def end_force(cases: PaperCases) -> Chapter:
-    """A lateral push at the tool: at rest the springs deflect by K^-1 J^T F."""
+    """A force pushes the tool sideways: at rest the springs deflect by K^-1 J^T F."""
     light, heavy = (_pushed(cases, v) for v in (PAPER_V, SETTLING))
     arm = cases.arm()
     at = int(np.argmin(np.abs(light.t - RELEASE))) - 1

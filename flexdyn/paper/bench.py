@@ -1,4 +1,4 @@
-"""The paper's arm on a test bench: moved under control, measured by encoders, with noisy torques."""
+"""The paper's arm on a test bench: a controller moves it, encoders measure it, and the torques are noisy."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ class PaperServo:
 
 
 def motion(corners: tuple[Corners, Corners]) -> Array:
-    """Motion from corner to corner; velocity and acceleration are zero at each corner (samples, 2) [rad]."""
+    """A motion from corner to corner, with zero velocity and acceleration at each corner (samples, 2) [rad]."""
     t = np.arange(round(corners[0][-1][0] * BENCH_RATE) + 1) / BENCH_RATE
     columns = []
     for each in corners:

@@ -1,4 +1,4 @@
-"""The arms and torque curves that the study runs, each one a variation of the shipped model."""
+"""The arms and torque curves of the study; every arm is a variation of the shipped model."""
 
 from __future__ import annotations
 
@@ -77,15 +77,15 @@ class PaperCases:
         return FrictionNumbers(b_v, b_d, b_d + excess, epsilon)
 
     def arm(self, *, v: float = 0.0, J: float | None = None) -> Arm:
-        """The closed-form arm of Table I with the model's rotor inertia, or another."""
+        """The closed-form arm of Table I, with the model's rotor inertia or another one."""
         return Arm(J=float(self.model.rotor_inertia[0]) if J is None else J, v=v)
 
     def smooth_model(self, v: float = 0.0) -> FlexibleJointModel:
-        """Neither dry friction nor limit: eq. 12-15 with b = v q'."""
+        """The model of eq. 12-15 with b = v q': it has neither dry friction nor a torque limit."""
         return self.model.replace(effects=self._viscous(v))
 
     def viscous_model(self, v: float, J: float | None = None) -> FlexibleJointModel:
-        """Torque-speed limit and viscous friction alone; J [kg m^2] reflected."""
+        """The model with torque-speed limit and viscous friction alone; J [kg m^2] is reflected."""
         limits = [effect for effect in self.model.effects if isinstance(effect, TorqueSpeedLimit)]
         model = self.model.replace(effects=[*limits, *self._viscous(v)])
         if J is None:
@@ -127,8 +127,8 @@ def torque_of_fig4(duration: float) -> Samples:
 def smooth_torque(t: ArrayLike) -> Array:
     """A torque that starts and ends with three zero derivatives, the same at both joints (..., 2) [N m].
 
-    ``(4 s (1 - s))^4 (1 - 2 s)``, s = t/2 s, scaled to a peak of 0.3 N m: it accelerates and brakes the arm without
-    exciting a stiff spring.
+    ``(4 s (1 - s))^4 (1 - 2 s)``, s = t/2 s, scaled to a peak of 0.3 N m. It accelerates and brakes the arm and does
+    not excite a stiff spring.
     """
     s = np.clip(np.asarray(t, dtype=float) / SMOOTH_END, 0.0, 1.0)
     peak = (8 / 9) ** 4 / 3  # of the polynomial, at s = 1/3

@@ -17,13 +17,13 @@ Drawing = Callable[[Any], None]
 
 @dataclass(frozen=True)
 class Check:
-    """One statement of the study, measured: it holds where value <= bound.
+    """One statement of the study and what was measured: it holds where value <= bound.
 
     Attributes:
         name: the statement.
         value: measured.
         bound: largest allowed value.
-        passed: whether it holds; it does not hold for a value that is no number.
+        passed: whether it holds; with a value that is no number it does not.
         note: unit, and how it was measured.
     """
 

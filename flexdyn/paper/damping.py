@@ -1,4 +1,4 @@
-"""Chapter: growing viscous damping, residual vibration and decay in numbers."""
+"""Chapter: what growing viscous damping makes of the residual vibration and its decay."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """The paper's equations in closed form, one function each, independent of Pinocchio and of the compiled core.
 
 "The Effect of Friction on the Formulation and Numerical Solution of Elastic Joint Manipulators", Amirkabir 8/30. q1, q2
-are the links' angles, q3, q4 the rotors', as in eq. 12-15. If the print is wrong, the function has the corrected form
-and its docstring names the printed one; `jacobian_as_printed` and `D22_as_printed` keep the printed forms, so that the
-study can show their errors. Every function takes arrays of states, with the joints as the last axis.
+are the links' angles, q3, q4 the rotors', as in eq. 12-15. Where the print is wrong, the function has the corrected
+form, and its docstring names the printed one. `jacobian_as_printed` and `D22_as_printed` keep the printed forms: the
+study shows their errors. Every function takes arrays of states, with the joints as the last axis.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Arm:
 
     @property
     def l_c(self) -> float:
-        """Distance of a link's centre of mass from its joint [m]: L/2, the rods being uniform."""
+        """Distance of a link's centre of mass from its joint [m]: L/2, because the rods are uniform."""
         return self.L / 2
 
     @property
@@ -55,9 +55,9 @@ class Arm:
         return self.m * self.L**2 / 12
 
 
-def D11(arm: Arm, q2: ArrayLike) -> Array:
+def D11(arm: Arm, q2: Array) -> Array:
     """Eq. 16 [kg m^2]: inertia that the first joint turns."""
-    cosine = np.cos(np.asarray(q2, dtype=float))
+    cosine = np.cos(q2)
     rods = arm.m * arm.l_c**2 + arm.inertia + arm.m * (arm.L**2 + arm.l_c**2 + 2 * arm.L * arm.l_c * cosine)
     return np.asarray(rods + arm.inertia + arm.m_L * 2 * arm.L**2 * (1 + cosine))
 
@@ -68,39 +68,35 @@ def D22(arm: Arm) -> float:
 
 
 def D22_as_printed(arm: Arm) -> float:
-    """Eq. 17 with its last I_2^2 taken by the letter (it would be kg^3 m^4): not an inertia."""
+    """Eq. 17 with its last term I_2^2 as printed: in kg^3 m^4 it is no inertia."""
     return arm.m * arm.l_c**2 + arm.inertia + arm.m_L * arm.inertia**2
 
 
-def D12(arm: Arm, q2: ArrayLike) -> Array:
+def D12(arm: Arm, q2: Array) -> Array:
     """Eq. 18 [kg m^2]: the coupling inertia."""
-    cosine = np.cos(np.asarray(q2, dtype=float))
-    return np.asarray((arm.m * arm.L * arm.l_c + arm.m_L * arm.L**2) * cosine + D22(arm))
+    return np.asarray((arm.m * arm.L * arm.l_c + arm.m_L * arm.L**2) * np.cos(q2) + D22(arm))
 
 
-def C(arm: Arm, q2: ArrayLike) -> Array:
+def C(arm: Arm, q2: Array) -> Array:
     """Eq. 19 [kg m^2]: the factor of the Coriolis and centrifugal torques."""
-    sine = np.sin(np.asarray(q2, dtype=float))
-    return np.asarray((arm.m * arm.L * arm.l_c + arm.m_L * arm.L**2) * sine)
+    return np.asarray((arm.m * arm.L * arm.l_c + arm.m_L * arm.L**2) * np.sin(q2))
 
 
-def mass_matrix(arm: Arm, q: ArrayLike) -> Array:
+def mass_matrix(arm: Arm, q: Array) -> Array:
     """D(q) of eq. 3 (..., 2, 2) [kg m^2], its entries eq. 16-18."""
-    q2 = np.asarray(q, dtype=float)[..., 1]
+    q2 = q[..., 1]
     coupling = D12(arm, q2)
     last = np.broadcast_to(D22(arm), q2.shape)
     return np.stack([np.stack([D11(arm, q2), coupling], -1), np.stack([coupling, last], -1)], -2)
 
 
-def coriolis(arm: Arm, q: ArrayLike, v: ArrayLike) -> Array:
+def coriolis(arm: Arm, q: Array, v: Array) -> Array:
     """The terms in C of eq. 12 and 13 (..., 2) [N m]: -C v2^2 - 2 C v1 v2 and +C v1^2."""
-    q, v = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
-    factor = C(arm, q[..., 1])
-    first, second = v[..., 0], v[..., 1]
+    factor, first, second = C(arm, q[..., 1]), v[..., 0], v[..., 1]
     return np.stack([-factor * second**2 - 2 * factor * first * second, factor * first**2], -1)
 
 
-def link_acceleration(arm: Arm, q: ArrayLike, v: ArrayLike, torque: ArrayLike) -> Array:
+def link_acceleration(arm: Arm, q: Array, v: Array, torque: Array) -> Array:
     """Eq. 12 and 13 solved for the accelerations of the links (..., 2) [rad/s^2].
 
     Args:
@@ -109,11 +105,11 @@ def link_acceleration(arm: Arm, q: ArrayLike, v: ArrayLike, torque: ArrayLike) -
         v: link velocities (..., 2) [rad/s].
         torque: what the springs and friction leave for the links, -K (q1 - q3) - b1 and so on (..., 2) [N m].
     """
-    rest = np.asarray(torque, dtype=float) - coriolis(arm, q, v)
+    rest = torque - coriolis(arm, q, v)
     return np.asarray(np.linalg.solve(mass_matrix(arm, q), rest[..., None])[..., 0])
 
 
-def derivative(arm: Arm, x: ArrayLike, tau: ArrayLike) -> Array:
+def derivative(arm: Arm, x: Array, tau: Array) -> Array:
     """Eq. 12-15 as first-order equations: x' (..., 8).
 
     Viscous friction alone (b1 = v1 q1', b2 = v2 q2'). Eq. 14 and 15 are printed with a bar for the two dots of q3, q4.
@@ -123,11 +119,9 @@ def derivative(arm: Arm, x: ArrayLike, tau: ArrayLike) -> Array:
         x: q1, q2, q3, q4 [rad] and their velocities [rad/s] (..., 8).
         tau: torques on the rotors (..., 2) [N m].
     """
-    x = np.asarray(x, dtype=float)
     q, theta, v, omega = x[..., :2], x[..., 2:4], x[..., 4:6], x[..., 6:]
     spring = arm.K * (theta - q)
-    alpha = (np.asarray(tau, dtype=float) - spring) / arm.J
-    return np.concatenate([v, omega, link_acceleration(arm, q, v, spring - arm.v * v), alpha], -1)
+    return np.concatenate([v, omega, link_acceleration(arm, q, v, spring - arm.v * v), (tau - spring) / arm.J], -1)
 
 
 def friction(u: ArrayLike, *, viscous: float, static: float, dynamic: float, epsilon: float) -> Array:
@@ -144,38 +138,34 @@ def friction(u: ArrayLike, *, viscous: float, static: float, dynamic: float, eps
     return np.asarray(viscous * u + np.sign(u) * (dynamic + (static - dynamic) * np.exp(-np.abs(u) / epsilon)))
 
 
-def tip(arm: Arm, q: ArrayLike) -> Array:
+def tip(arm: Arm, q: Array) -> Array:
     """Position of the end of the arm (..., 2) [m]; eq. 8-11 are its derivatives."""
-    q = np.asarray(q, dtype=float)
     first, both = q[..., 0], q[..., 0] + q[..., 1]
     return np.stack([arm.L * (np.cos(first) + np.cos(both)), arm.L * (np.sin(first) + np.sin(both))], -1)
 
 
-def jacobian(arm: Arm, q: ArrayLike) -> Array:
+def jacobian(arm: Arm, q: Array) -> Array:
     """Eq. 8-11 (..., 2, 2) [m]: J_r = d tip/d q.
 
     Printed: J_r21 = -l1 cos q1 + l2 cos(q1 + q2) (eq. 10, whose first sign is wrong) and J_r22 = I_2 cos(q1 + q2)
     (eq. 11, I_2 for l_2).
     """
-    q = np.asarray(q, dtype=float)
     first, both = q[..., 0], q[..., 0] + q[..., 1]
     x_row = np.stack([-arm.L * (np.sin(first) + np.sin(both)), -arm.L * np.sin(both)], -1)
     y_row = np.stack([arm.L * (np.cos(first) + np.cos(both)), arm.L * np.cos(both)], -1)
     return np.stack([x_row, y_row], -2)
 
 
-def jacobian_as_printed(arm: Arm, q: ArrayLike) -> Array:
+def jacobian_as_printed(arm: Arm, q: Array) -> Array:
     """Eq. 8-11 as printed, with the sign of eq. 10 and the I_2 of eq. 11."""
-    q = np.asarray(q, dtype=float)
     printed = jacobian(arm, q)
     printed[..., 1, 0] -= 2 * arm.L * np.cos(q[..., 0])
     printed[..., 1, 1] *= arm.inertia / arm.L
     return printed
 
 
-def jacobian_rate(arm: Arm, q: ArrayLike, v: ArrayLike) -> Array:
+def jacobian_rate(arm: Arm, q: Array, v: Array) -> Array:
     """Rate of J_r (..., 2, 2) [m/s], which eq. 6 and 7 leave out: the tip accelerates by J_r q'' + (d J_r/dt) q'."""
-    q, v = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
     first, both = q[..., 0], q[..., 0] + q[..., 1]
     first_rate, both_rate = v[..., 0], v[..., 0] + v[..., 1]
     one = arm.L * np.stack([np.cos(first) * first_rate, np.sin(first) * first_rate], -1)

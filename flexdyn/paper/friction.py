@@ -25,7 +25,7 @@ WITH = {"color": style.VERMILION, "linestyle": style.DASHED, "label": "with fric
 
 
 def friction_law(cases: PaperCases) -> Chapter:
-    """Eq. 1 is the sum of three effects of the model, and drawn as Fig. 1."""
+    """Eq. 1 is the sum of three effects of the model; Fig. 1 draws it."""
     numbers = cases.friction
     u = np.linspace(-1.0, 1.0, 2001)
     laws = [law for law in cases.model.effects if isinstance(law, ViscousFriction | CoulombFriction | StribeckFriction)]

@@ -1,4 +1,4 @@
-"""Chapter of `flexdyn paper --diagnose`: the arm's dry friction hidden from its model, and found by the diagnosis."""
+"""Chapter of `flexdyn paper --diagnose`: the model lacks the arm's dry friction, and the diagnosis finds it."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ Progress = Callable[[str, float], None]
 
 
 def hidden_friction(cases: PaperCases, folder: Path, progress: Progress | None = None) -> Chapter:
-    """Record the true arm, diagnose a model without its friction, compare what is found with what was hidden.
+    """Record the true arm, diagnose a model without its dry friction, and compare what was hidden with what is found.
 
     Args:
         cases: with the arm.
@@ -80,8 +80,8 @@ def hidden(model: FlexibleJointModel) -> tuple[Effect, ...]:
 def gap_steps(given: FlexibleJointModel, answer: Diagnosis, check: Sequence[Recording]) -> tuple[Step, ...]:
     """The gap of the given and the calibrated model, then with one more finding at a time, the most effective first.
 
-    All steps use the numbers of the final answer. The first two gaps, the last and that of noise alone come from the
-    diagnosis itself.
+    All steps use the numbers of the final answer. The diagnosis itself gives the first two gaps, the last one and that
+    of noise alone.
     """
     if answer.gap_test is None:
         return ()
@@ -108,7 +108,7 @@ def sensors_noise(recordings: Sequence[Recording]) -> SampleNoise:
     """Noise of the sensors on the bench: quantisation of the encoders, step / sqrt(12), and noise of the torque.
 
     Args:
-        recordings: of both joints; the torque's noise is a share of its peak, their mean.
+        recordings: of both joints; the noise of the torque is a share of its largest value, averaged over them.
     """
     joints = ("shoulder", "elbow")
     peak = [np.mean([np.abs(each[f"tau.{joint}"]).max() for each in recordings]) for joint in joints]

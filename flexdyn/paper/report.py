@@ -1,4 +1,4 @@
-"""The study's summary, for people and for programs, with the chosen readings of ambiguities and misprints."""
+"""The study's summary for people and for programs, and how ambiguities and misprints are read."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def summary_data(chapters: Sequence[Chapter], readings: list[dict[str, str]], ve
 
 
 def summary_text(chapters: Sequence[Chapter], readings: list[dict[str, str]], version: str) -> str:
-    """The same to read, figures embedded."""
+    """The same as Markdown, with the figures."""
     runs = {name: run for chapter in chapters for name, run in chapter.runs.items()}
     text = prose(
         "summary.md",
@@ -64,7 +64,7 @@ def _run_data(run: Run) -> dict[str, Any]:
 
 
 def _escaped(text: str) -> str:
-    """Text for a cell: a bar would end it, stars and underscores would set it in italics, < would open a tag."""
+    """Text for a cell of a table. A bar would end it, stars and underscores would make italics, < would open a tag."""
     for mark in ("|", "*", "_", "<"):
         text = text.replace(mark, "\\" + mark)
     return text

@@ -59,7 +59,7 @@ def _cut_off(run: Run) -> list[float]:
 
 
 def _over_limit(cases: PaperCases, run: Run) -> float:
-    """By how much the applied torque leaves the torque-speed line [N m]."""
+    """By how much the applied torque exceeds the torque-speed line [N m]."""
     stall, no_load = cases.limit.stall_torque, cases.limit.no_load_speed
     upper = np.maximum(0.0, stall * (1 - run.omega / no_load))
     lower = np.minimum(0.0, -stall * (1 + run.omega / no_load))
@@ -117,6 +117,6 @@ def _draw_responses(canvas: Any, flexible: Run, rigid: Run) -> None:
 
 
 def _rescale(panel: Any, values: Any) -> None:
-    """Fit the axis to what is seen of the curves."""
+    """Fit the axis to the visible part of the curves."""
     margin = 0.06 * np.ptp(values)
     panel.set_ylim(values.min() - margin, values.max() + margin)

@@ -1,4 +1,4 @@
-"""Chapter: the flexible arm becomes the rigid one as its springs stiffen: the paper's own test of the model, Fig. 3."""
+"""Chapter: with stiffer springs the flexible arm becomes the rigid one: the paper's own test of the model, Fig. 3."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chapter: the rotor inertia, which the paper does not give: which conclusions hold for any value."""
+"""Chapter: the paper does not give the rotor inertia; which conclusions hold for any value?"""
 
 from __future__ import annotations
 

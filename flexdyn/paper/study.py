@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, check_installed
-from flexdyn.io.files import write_text
+from flexdyn.errors import check_installed
+from flexdyn.io.files import make_folder, write_text
 from flexdyn.paper import style
 from flexdyn.paper.arm_end import end_force, tip_deflection
 from flexdyn.paper.cases import PaperCases
@@ -63,8 +63,8 @@ def run_study(out: Path, *, diagnose: bool = False, progress: Callable[[str], No
 
     Args:
         out: the folder; it is created if it does not exist.
-        diagnose: hide the arm's friction too, and let the diagnosis find it: its report goes to ``diagnosis``.
-        progress: called with a line as each part begins, and by the diagnosis as it goes on.
+        diagnose: whether to hide the arm's friction and let the diagnosis find it; its report goes to ``diagnosis``.
+        progress: called with a line when a part begins, and by the diagnosis while it works.
 
     Returns:
         The study; a check that fails is reported in it, not raised.
@@ -77,7 +77,7 @@ def run_study(out: Path, *, diagnose: bool = False, progress: Callable[[str], No
 
     style.require_matplotlib()
     out, say = Path(out), progress or (lambda line: None)
-    _make(out / "runs")
+    make_folder(out / "runs")
     parts = [*CHAPTERS, _diagnosis(out, say, len(CHAPTERS) + 1)] if diagnose else CHAPTERS
     cases, chapters, files = PaperCases(), list[Chapter](), list[Path]()
     for place, (title, part) in enumerate(parts, 1):
@@ -99,11 +99,11 @@ def run_study(out: Path, *, diagnose: bool = False, progress: Callable[[str], No
 
 
 def _diagnosis(out: Path, say: Callable[[str], None], place: int) -> tuple[str, Callable[[PaperCases], Chapter]]:
-    """The part that hides friction and finds it: it brings SciPy, and takes longer than all others."""
+    """The part that hides friction and finds it; it takes longer than all others."""
     from flexdyn.paper.hidden_friction import FOLDER, hidden_friction
 
     check_installed("plotly", "plot")
-    _make(out / FOLDER)
+    make_folder(out / FOLDER)
     title = "friction hidden, and found"
 
     def part(cases: PaperCases) -> Chapter:
@@ -112,11 +112,3 @@ def _diagnosis(out: Path, say: Callable[[str], None], place: int) -> tuple[str, 
         )
 
     return title, part
-
-
-def _make(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        remedy = "name a folder that can be made"
-        raise InputError(f"cannot be made ({error.strerror})", file=folder, remedy=remedy) from None

@@ -29,7 +29,7 @@ def verification(cases: PaperCases) -> Chapter:
 
 
 def random_states() -> tuple[Array, Array, Array]:
-    """Positions, velocities, torques of the links, the same every time (states, 2) each."""
+    """Positions, velocities and torques of the links, the same at every call, (states, 2) each."""
     rng = np.random.default_rng(SEED)
     shape = (STATES, 2)
     return rng.uniform(-np.pi, np.pi, shape), rng.uniform(-3.0, 3.0, shape), rng.uniform(-5.0, 5.0, shape)
@@ -87,7 +87,7 @@ def _kinematics(cases: PaperCases) -> list[Check]:
 
 
 def tip_acceleration(arm: eq.Arm, q: Array, v: Array, a: Array) -> tuple[Array, Array]:
-    """The tip's acceleration [m/s^2] twice: by second differences of its position, and J_r q'' + (dJ_r/dt) q'."""
+    """The tip's acceleration [m/s^2] in two ways: second differences of its position, and J_r q'' + (dJ_r/dt) q'."""
     h = 1e-4
     ahead, here, behind = (eq.tip(arm, q + s * v + 0.5 * s**2 * a) for s in (h, 0.0, -h))
     given = np.einsum("tij,tj->ti", eq.jacobian(arm, q), a) + np.einsum("tij,tj->ti", eq.jacobian_rate(arm, q, v), v)

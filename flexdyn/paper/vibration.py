@@ -18,11 +18,11 @@ from flexdyn.simulation.solvers import DormandPrince
 
 
 def amplitude(arm: Arm, run: Run) -> Array:
-    """Vibration amplitude (samples,) [rad]: the deflection of one spring that would hold all energy of the vibration.
+    """Vibration amplitude (samples,) [rad]: the deflection at which one spring would hold all energy of the vibration.
 
     Without torque, friction and Coriolis terms the deflection delta = theta - q obeys ``mu delta'' = -K delta`` with
-    ``mu = (D^-1 + J^-1)^-1``; so ``A^2 = delta^T delta + delta'^T mu delta'/K`` is constant then, however the two
-    modes beat, and A is an envelope that needs no peaks to be found.
+    ``mu = (D^-1 + J^-1)^-1``. Then ``A^2 = delta^T delta + delta'^T mu delta'/K`` is constant, also when the two modes
+    beat: A is an envelope, and no peaks have to be found.
     """
     mu = np.linalg.inv(np.linalg.inv(mass_matrix(arm, run.q)) + np.eye(2) / arm.J)
     rate = run.omega - run.v
@@ -96,12 +96,12 @@ class Mode:
 
     @property
     def rate(self) -> float:
-        """Of its decay [1/s]."""
+        """Rate of its decay [1/s]."""
         return -self.eigenvalue.real
 
     @property
     def frequency(self) -> float:
-        """Damped [Hz]."""
+        """Frequency with damping [Hz]."""
         return self.eigenvalue.imag / (2 * np.pi)
 
     @property
@@ -113,7 +113,7 @@ class Mode:
 def modes(arm: Arm, q2: float) -> list[Mode]:
     """The vibrations of eq. 12-15 linearised at rest at an elbow angle [rad], slowest first.
 
-    Motions that do not swing (the arm as a whole; a joint so damped that it creeps) are left out.
+    Motions that do not oscillate are left out: the arm as a whole, and joints with so much damping that they creep.
     """
     D = np.linalg.inv(mass_matrix(arm, np.array([0.0, q2])))
     system = np.zeros((8, 8))
@@ -131,7 +131,7 @@ def modes(arm: Arm, q2: float) -> list[Mode]:
 
 
 def pluck_rate(arm: Arm, model: FlexibleJointModel, mode: Mode, q2: float) -> float:
-    """Decay rate [1/s] of the simulated arm let go in a mode's shape, 1 mrad large."""
+    """Decay rate [1/s] of the simulated arm, which starts in a mode's shape with a deflection of 1 mrad."""
     x0 = 1e-3 * mode.shape.real + np.array([0.0, q2, 0.0, q2, 0.0, 0.0, 0.0, 0.0])
     periods = max(2.0, round(min(10.0, 3.0 / mode.rate) * mode.frequency))
     grid = np.linspace(0.0, periods / mode.frequency, 1000)

@@ -95,18 +95,9 @@ def delayed_command(axes: Any, effect: CommandDelay) -> tuple[str, str]:
     end = 4.0 * effect.delay
     asked, given = [-0.5 * end, 0.0, end], [-0.5 * end, effect.delay, end]
     axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
-    step = [0.0, 1.0, 1.0]
-    axes.step(
-        asked, step, where="post", color=page.GREY, linewidth=1.4, linestyle=page.GUIDE_DASHES, label=r"asked: $\tau$"
-    )
-    axes.step(
-        given,
-        step,
-        where="post",
-        color=page.BLUE,
-        linewidth=page.LAW_LINE_WIDTH,
-        label=r"given: $\tau_\mathrm{applied}$",
-    )
+    axes.step(asked, [0.0, 1.0, 1.0], where="post", label=r"asked: $\tau$", **page.GUIDE)
+    law = {"color": page.BLUE, "linewidth": page.LAW_LINE_WIDTH}
+    axes.step(given, [0.0, 1.0, 1.0], where="post", label=r"given: $\tau_\mathrm{applied}$", **law)
     axes.legend(frameon=False, loc="center right")
     return "time $t$ [s]", "motor torque [N m]"
 
@@ -133,7 +124,7 @@ def _late(axes: Any, effect: ChannelLag) -> tuple[str, str]:
     t = np.linspace(0.0, 20.0 * effect.delay, 1201)
     true = np.sin(2.0 * math.pi * t / (10.0 * effect.delay))
     axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
-    axes.plot(t, true, color=page.GREY, linewidth=1.4, linestyle=page.GUIDE_DASHES, label="true")
+    axes.plot(t, true, label="true", **page.GUIDE)
     page.line(axes, t, effect.measured(true, t), label="measured")
     page.legend_above(axes, 2)
     return "time $t$ [s]", "position [rad]"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.analysis import PathFrequencies
+from flexdyn.analysis.path import PathFrequencies
 from flexdyn.errors import InputError
 from flexdyn.plots.page import BLUE, GREY, checked_path, dress, line, new_figure, save
 

@@ -12,7 +12,7 @@ from flexdyn.errors import needed
 from flexdyn.io.files import replacing
 from flexdyn.plots.palette import INK, RULE, SOFT
 from flexdyn.plots.panel import Curve, Key, Panel
-from flexdyn.plots.picture import KEY, Picture
+from flexdyn.plots.picture import KEY, LEFT, Picture
 
 STYLES: dict[str, Any] = {
     "solid": "-",
@@ -77,13 +77,13 @@ def _head(figure: Any, picture: Picture) -> None:
     def up(inch: float) -> float:
         return 1.0 - inch / picture.height
 
-    left = across(picture.margin)
+    left = across(LEFT)
     figure.text(left, up(0.33), picture.headline, fontsize=13, fontweight="bold", color=INK, parse_math=False)
     for line, text in enumerate(picture.lines):
         figure.text(left, up(picture.note_at(line)), text, fontsize=8.5, color=SOFT, parse_math=False)
     for i, key in enumerate(picture.keys):
         row, column = divmod(i, picture.legend_columns)
-        place = (across(picture.margin + column * picture.key_width), up(picture.legend_at + row * KEY))
+        place = (across(LEFT + column * picture.key_width), up(picture.legend_at + row * KEY))
         figure.legend(handles=[_handle(key)], loc="upper left", bbox_to_anchor=place, **LEGEND)
 
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import FlexdynError, InputError, did_you_mean
+from flexdyn.checks import check_known
+from flexdyn.errors import FlexdynError, InputError, listed
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model
 from flexdyn.plots.arrange import Block, arrange
@@ -96,8 +97,7 @@ def plot(
 def _checked_views(views: Sequence[str] | str | None) -> tuple[str, ...]:
     names = OVERVIEW if views is None else (views,) if isinstance(views, str) else tuple(dict.fromkeys(views))
     for name in names:
-        if name not in VIEW_NAMES:
-            raise InputError("no such view", key="views", value=name, remedy=did_you_mean(str(name), VIEW_NAMES))
+        check_known(name, VIEW_NAMES, "no such view", key="views", value=name)
     if not names:
         raise InputError("no view is chosen", key="views", remedy=f"known: {', '.join(VIEW_NAMES)}")
     return names
@@ -213,5 +213,4 @@ def _note_thinning(scene: PlotScene, notes: list[str]) -> None:
 
 
 def _some_channels(scene: PlotScene) -> str:
-    names = [name for source in scene.sources for name in source.recording.channels]
-    return ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")
+    return listed((name for source in scene.sources for name in source.recording.channels), 6)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, needed
-from flexdyn.io.files import replacing
+from flexdyn.errors import needed
+from flexdyn.io.files import check_suffix, replacing
 
 SUFFIXES = (".png", ".pdf", ".svg")
 """Formats of pictures."""
@@ -15,6 +15,8 @@ BLUE, RED, GREY, PALE = "#1f4e9c", "#c23b22", "#6b7280", "#dbe4f3"
 SHADES = ("#7f1d1d", "#d97757", GREY, "#6ea0dc", BLUE)
 """Colours of five curves, from the smallest to the largest."""
 GUIDE_DASHES = (0, (3, 3))
+GUIDE: dict[str, Any] = {"color": GREY, "linewidth": 1.4, "linestyle": GUIDE_DASHES}
+"""Look of what was asked for, and of the true value."""
 LAW_LINE_WIDTH = 2.2
 """Width of a law's line [pt]."""
 
@@ -26,9 +28,7 @@ def checked_path(path: str | Path, suffixes: Sequence[str] = SUFFIXES) -> Path:
         InputError: its suffix is none of those.
     """
     file = Path(path)
-    if file.suffix.lower() not in suffixes:
-        remedy = f"known: {', '.join(suffixes)}"
-        raise InputError("unknown suffix of a picture", file=file, value=file.suffix, remedy=remedy)
+    check_suffix(file, suffixes, "a picture")
     return file
 
 

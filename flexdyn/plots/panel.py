@@ -12,6 +12,8 @@ from flexdyn.plots.palette import INK
 
 LARGEST_DRAWN, SMALLEST_DRAWN = 1e150, 1e-150
 """Largest number that is drawn, and smallest difference: the renderers compute squares of them."""
+MARGIN = 0.06
+"""Free space at each end of an axis, as a share of the range of its values [1]."""
 LONGEST_NAME_SHOWN = 48
 """Largest number of letters of a name that are shown."""
 
@@ -144,12 +146,11 @@ def short(name: str) -> str:
     return name if len(name) <= LONGEST_NAME_SHOWN else f"{name[:30]}…{name[31 - LONGEST_NAME_SHOWN :]}"
 
 
-def limits(*values: Array, margin: float = 0.06) -> tuple[float, float]:
+def limits(*values: Array) -> tuple[float, float]:
     """A range of an axis that contains all values with a margin; it is never so narrow that rounding errors fill it.
 
     Args:
         values: at least one number in each; NaN, where a curve is interrupted, is ignored.
-        margin: on both sides, as a share of the range.
     """
     low = min(float(np.nanmin(array)) for array in values)
     high = max(float(np.nanmax(array)) for array in values)
@@ -160,7 +161,7 @@ def limits(*values: Array, margin: float = 0.06) -> tuple[float, float]:
     if high - low <= max(1e-9 * size, SMALLEST_DRAWN):
         pad = max(0.1 * size, SMALLEST_DRAWN) if size else 1.0
         return low - pad, high + pad
-    air = margin * (high - low)
+    air = MARGIN * (high - low)
     return low - air, high + air
 
 

@@ -70,11 +70,6 @@ class Picture(Public):
         return max(1, min(len(self.keys), int((self.width - 1.2 * LEFT) / self.key_width)))
 
     @property
-    def margin(self) -> float:
-        """Left end of titles, notes and the legend [inch]."""
-        return LEFT
-
-    @property
     def legend_at(self) -> float:
         """Distance from the upper edge of the page to that of the shared legend [inch]."""
         return HEADLINE + LINE * len(self.lines) + 0.08

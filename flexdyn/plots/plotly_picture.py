@@ -15,7 +15,7 @@ from flexdyn.io.files import write_text
 from flexdyn.io.html import render
 from flexdyn.plots.palette import INK, RULE, SOFT
 from flexdyn.plots.panel import Curve, Key, Panel
-from flexdyn.plots.picture import KEY, Picture
+from flexdyn.plots.picture import KEY, LEFT, Picture
 
 DASHES = {"solid": "solid", "dashed": "6px,3px", "dashdot": "7px,2px,2px,2px", "dotted": "2px,2px"}
 DOT = 96.0
@@ -87,7 +87,7 @@ def _legends(picture: Picture) -> dict[str, Any]:
     found = {}
     for i in range(len(picture.keys)):
         row, column = divmod(i, picture.legend_columns)
-        left, down = picture.margin + column * picture.key_width, picture.legend_at + row * KEY - 0.06
+        left, down = LEFT + column * picture.key_width, picture.legend_at + row * KEY - 0.06
         found[_legend_name(i)] = {"x": left / picture.width, "y": 1.0 - down / picture.height, **LEGEND}
     return found
 
@@ -97,9 +97,9 @@ def _legend_name(number: int) -> str:
 
 
 def _head(picture: Picture) -> list[dict[str, Any]]:
-    texts = [_text(picture, picture.margin, 0.16, f"<b>{_escaped(picture.headline)}</b>", 13.0 * POINT, INK)]
+    texts = [_text(picture, LEFT, 0.16, f"<b>{_escaped(picture.headline)}</b>", 13.0 * POINT, INK)]
     for line, note in enumerate(picture.lines):
-        texts.append(_text(picture, picture.margin, picture.note_at(line) - 0.13, _escaped(note), 8.5 * POINT, SOFT))
+        texts.append(_text(picture, LEFT, picture.note_at(line) - 0.13, _escaped(note), 8.5 * POINT, SOFT))
     return texts
 
 

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.checks import check_known
 from flexdyn.comparison.difference import common_rows
 from flexdyn.comparison.motion_sources import MotionSource, as_sources, unit_in, windowed
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError
 from flexdyn.plots.palette import hue, shade
 from flexdyn.plots.panel import Curve, Key, check_times, short
 from flexdyn.plots.thinning import broken, outline, outline_in_plane
@@ -172,8 +173,7 @@ def make_scene(given: Sequence[Any], joints: Sequence[str] | None, start: float 
         remedy = "channels are named <signal>.<joint>, such as q.elbow"
         raise InputError(f"{sources[0].name} has no signal of any joint", key="channels", remedy=remedy)
     for joint in joints or ():
-        if joint not in known:
-            raise InputError("no such joint", key="joints", value=joint, remedy=did_you_mean(joint, known))
+        check_known(joint, known, "no such joint", key="joints", value=joint)
     chosen = tuple(dict.fromkeys(joints)) if joints else known
     scene = PlotScene(sources, chosen, start, end)
     _ = scene.rows  # refuses an empty window

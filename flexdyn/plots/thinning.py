@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexdyn.arrays import Array
+from flexdyn.arrays import Array, Indices
 from flexdyn.plots.panel import Curve, short
 from flexdyn.records.signals.gaps import gap_rows
 
@@ -23,7 +22,7 @@ MOST_PLANE_POINTS = 24000
 """Largest number of points of a line in a plane; a curve that needs more is drawn as dots."""
 
 
-def outline(t: Array, *signals: Array, slices: int = SLICES) -> NDArray[np.intp]:
+def outline(t: Array, *signals: Array, slices: int = SLICES) -> Indices:
     """Samples to draw so that the curve looks as if all of them were drawn.
 
     Of every slice of time the first, last, smallest and largest sample of each signal are kept: no peak is lost, and no
@@ -49,7 +48,7 @@ def outline(t: Array, *signals: Array, slices: int = SLICES) -> NDArray[np.intp]
     return np.unique(np.concatenate(kept)).astype(np.intp)
 
 
-def broken(t: Array, values: Array, kept: NDArray[np.intp]) -> tuple[Array, Array]:
+def broken(t: Array, values: Array, kept: Indices) -> tuple[Array, Array]:
     """The kept samples of a curve over time, with a NaN in each gap, where the curve is interrupted.
 
     Args:
@@ -80,7 +79,7 @@ def curve_over_time(t: Array, values: Array, name: str, group: str, colour: str,
     return Curve(*broken(t, values, outline(t, values)), name, short(group), colour, **look)
 
 
-def outline_in_plane(x: Array, y: Array) -> tuple[NDArray[np.intp], bool]:
+def outline_in_plane(x: Array, y: Array) -> tuple[Indices, bool]:
     """Samples to draw of a long curve in a plane, such as position and velocity.
 
     Of consecutive samples in the same one of 800 by 800 cells, the first is kept. If more than `MOST_PLANE_POINTS`
@@ -105,7 +104,7 @@ def outline_in_plane(x: Array, y: Array) -> tuple[NDArray[np.intp], bool]:
     return np.unique(np.concatenate([first, ends])), True
 
 
-def _cells(values: Array, count: int) -> NDArray[np.intp]:
+def _cells(values: Array, count: int) -> Indices:
     unit = values / (float(np.abs(values).max()) or 1.0)  # neither overflows nor vanishes
     low, high = float(unit.min()), float(unit.max())
     return np.floor((unit - low) / (high - low or 1.0) * count).astype(np.intp)

@@ -83,18 +83,14 @@ def table_of(dataset: Any) -> Table:
     if "t" not in dataset.coords or dataset.coords["t"].dims != ("t",):
         remedy = "give a coordinate t in seconds, such as ds.rename(time='t')"
         raise InputError("the dataset has no coordinate t", remedy=remedy, channel="t")
-    found: dict[str, tuple[Array, str]] = {}
-    for name, values, unit in _channels(dataset):
-        if name in found:
-            raise InputError("the channel is there twice", remedy="rename or remove one", channel=name)
-        found[name] = (values, unit)
     table = Table(meta=from_json(str(dataset.attrs["meta"])) if "meta" in dataset.attrs else {})
     table.add("t", _numbers(dataset.coords["t"].values, "t"))
     table.units["t"] = str(dataset.coords["t"].attrs.get("units", ""))
-    for name in (*filter(found.__contains__, _order(dataset)), *found):
-        if name not in table.columns:
-            table.add(name, found[name][0])
-            table.units[name] = found[name][1]
+    for name, values, unit in _channels(dataset):
+        table.add(name, values)
+        table.units[name] = unit
+    ordered = dict.fromkeys(("t", *filter(table.columns.__contains__, _order(dataset)), *table.columns))
+    table.columns = {name: table.columns[name] for name in ordered}
     _forget_units(table)
     return table
 

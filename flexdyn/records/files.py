@@ -11,8 +11,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, did_you_mean, placed
-from flexdyn.io.files import is_file, replacing
+from flexdyn.errors import InputError, placed
+from flexdyn.io.files import check_suffix, is_file, replacing
 from flexdyn.records import npz_file, parquet_file
 from flexdyn.records.bounds import MOST_FILE
 from flexdyn.records.channelmap.apply import apply_map
@@ -198,9 +198,7 @@ def _is_bag_folder(path: Path) -> bool:
 
 
 def _format_of(path: Path) -> Format:
-    suffix = ".db3" if _is_bag_folder(path) else path.suffix.lower()
-    if suffix not in FORMATS:
-        near, known = did_you_mean(suffix, SUFFIXES), "known: " + ", ".join(SUFFIXES)
-        remedy = near if near == known else f"{near} {known}"
-        raise InputError("unknown suffix of a recording", file=path, value=suffix, remedy=remedy)
-    return FORMATS[suffix]
+    if _is_bag_folder(path):
+        return FORMATS[".db3"]
+    check_suffix(path, SUFFIXES, "a recording")
+    return FORMATS[path.suffix.lower()]

@@ -17,7 +17,7 @@ from flexdyn.records.bounds import check_count, check_size
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
-from flexdyn.records.table import RESERVED, Table, as_floats, check_name, check_time_named, damage_named
+from flexdyn.records.table import RESERVED, Table, as_floats, check_name, check_new, check_time_named, damage_named
 
 _ROWS_AT_ONCE = 2**20
 _PANDAS_LABELS = "__index_level_"
@@ -90,9 +90,8 @@ def _names(there: list[str], request: Request) -> list[str]:
         for name in names:
             if name != "t":
                 check_name(name)
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError("the channel is there twice", remedy="rename or remove one", channel=name)
+    for place, name in enumerate(names):
+        check_new(name, names[:place])
     return names
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from flexdyn.checks import Array, check_known
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, did_you_mean, listed
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.records.meta import as_plain, locked, settle_units
 from flexdyn.records.signals import cut, derivatives
@@ -292,7 +292,7 @@ class Recording(Public):
     def __repr__(self) -> str:
         """Joints, signals, duration and rate in one line."""
         label = f"{self.name!r}, " if self.name else ""
-        joints, signals = _listed(self.joints), _listed(self.signals)
+        joints, signals = (listed(names, 12) or "none" for names in (self.joints, self.signals))
         extent = f"{len(self)} samples, {self.duration:.6g} s at {self.rate:.6g} Hz"
         return f"Recording({label}joints: {joints}; signals: {signals}; {extent})"
 
@@ -330,8 +330,3 @@ def _check_prescribed(joints: Any, channels: Mapping[str, Array]) -> None:
     known = {parts[1] for parts in map(split_name, channels) if parts}
     for joint in joints:
         check_known(joint, known, "no channel of this joint", key="meta.prescribed", value=joint)
-
-
-def _listed(names: Iterable[str]) -> str:
-    names = list(names)
-    return (", ".join(names[:12]) + (", ..." if len(names) > 12 else "")) or "none"

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from flexdyn.checks import Array, check_known, number
+from flexdyn.arrays import Array, Flags, Indices
+from flexdyn.checks import check_known, number
 from flexdyn.errors import InputError
 from flexdyn.records.table import Rows, Table, as_floats, check_lengths, check_time_named
 
@@ -18,7 +18,6 @@ LONGEST_FILLED_GAP = 0.1
 """Longest gap that is filled by default [s]."""
 
 _Columns = dict[str, Array]
-_Order = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -111,7 +110,7 @@ def _repair(entry: Any) -> Repair:
     return Repair(name, number(key, numbers["longest"], "a time above zero is needed, in s", above=0.0))
 
 
-_ORDERS: Mapping[str, Callable[[_Columns], _Order]] = {
+_ORDERS: Mapping[str, Callable[[_Columns], Indices]] = {
     "sort_time": lambda columns: np.argsort(columns["t"], kind="stable"),
     "drop_duplicate_times": lambda columns: np.sort(np.unique(columns["t"], return_index=True, equal_nan=False)[1]),
     # A time that is no number is before no other time.
@@ -142,7 +141,7 @@ def _filled(columns: _Columns, rows: Rows, longest: float) -> tuple[_Columns, in
     return whole, int(touched.sum())
 
 
-def _check_gaps(t: Array, good: npt.NDArray[np.bool_], name: str, rows: Rows, longest: float) -> None:
+def _check_gaps(t: Array, good: Flags, name: str, rows: Rows, longest: float) -> None:
     known = np.flatnonzero(good)
     if not len(known) or not good[0] or not good[-1]:
         at = 0 if not good[0] else int(known[-1]) + 1

@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 
 from flexdyn.checks import check_known
 
+CLOCKS = ("message", "bag")
+"""Where the times of a bag come from: the stamps in the messages, or the times of recording."""
+
 
 @dataclass(frozen=True)
 class Layout:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Container, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
@@ -72,13 +72,22 @@ class Table:
 
     def add(self, name: str, values: npt.NDArray[Any]) -> None:
         """Append a column; a name that exists already, or a column beyond the limits of a file, is refused."""
-        if name in self.columns:
-            raise InputError("the channel is there twice", remedy="rename or remove one", channel=name)
+        check_new(name, self.columns)
         check_count(len(self.columns) + 1)
         if values.size > MOST_SAMPLES:
             problem = f"the column has {values.size} rows, more than {MOST_SAMPLES}"
             raise InputError(problem, remedy="split the recording", channel=name)
         self.columns[name] = values
+
+
+def check_new(name: str, names: Container[str]) -> None:
+    """Refuse a channel that is there already.
+
+    Raises:
+        InputError: `names` holds it.
+    """
+    if name in names:
+        raise InputError("the channel is there twice", remedy="rename or remove one", channel=name)
 
 
 def check_name(name: str) -> None:

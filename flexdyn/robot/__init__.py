@@ -4,18 +4,8 @@ from __future__ import annotations
 
 from flexdyn.robot.kinematics import frame_positions
 from flexdyn.robot.load import load_robot
-from flexdyn.robot.meshes import MeshWarning
-from flexdyn.robot.names import robot_names, shipped_dir
+from flexdyn.robot.names import robot_names
 from flexdyn.robot.robot import Robot
-from flexdyn.robot.tree import FramePlacement, Tree
+from flexdyn.robot.tree import Tree
 
-__all__ = [
-    "FramePlacement",
-    "MeshWarning",
-    "Robot",
-    "Tree",
-    "frame_positions",
-    "load_robot",
-    "robot_names",
-    "shipped_dir",
-]
+__all__ = ["Robot", "Tree", "frame_positions", "load_robot", "robot_names"]

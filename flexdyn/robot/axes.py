@@ -9,8 +9,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.checks import check_known, number
 from flexdyn.errors import InputError
 
@@ -69,7 +69,7 @@ def _limits(robot: Robot, places: list[int]) -> dict[str, tuple[float, float]]:
     return {joint: pair for joint, pair in pairs.items() if any(math.isfinite(value) for value in pair)}
 
 
-def joint_row(robot: Robot, joint: str) -> NDArray[np.float64] | None:
+def joint_row(robot: Robot, joint: str) -> Array | None:
     """How a joint that axes replace turns with the axes: ``q_joint = row p``, row (n,).
 
     Args:
@@ -112,7 +112,7 @@ def _checked(robot: Robot, entries: Any) -> Axes:
     return MappingProxyType(found)
 
 
-def _matrix(axes: Axes, replaced: list[str]) -> NDArray[np.float64]:
+def _matrix(axes: Axes, replaced: list[str]) -> Array:
     """A of ``p = A q_joints`` (k, k)."""
     if len(axes) != len(replaced):
         value = f"{len(axes)} axes of {len(replaced)} joints"

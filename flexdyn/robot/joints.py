@@ -31,7 +31,7 @@ class RobotJoint:
     damping: float
     friction: float
     mimic: tuple[str, float, float] | None
-    line: int | None
+    sourceline: int | None
 
 
 def read_joint(element: Any) -> RobotJoint:

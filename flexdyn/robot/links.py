@@ -122,7 +122,7 @@ class Link:
     name: str
     inertial: Inertial | None
     visuals: tuple[Visual, ...]
-    line: int | None
+    sourceline: int | None
 
 
 def read_link(element: Any, colors: dict[str, tuple[float, ...]]) -> Link:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.robot.links import listed_moments
 from flexdyn.robot.mimic import Mimic
@@ -128,14 +129,7 @@ def _copy_numbers(old: pin.Model, new: pin.Model, motions: list[JointMotion]) ->
     write_limits(new, lower, upper, velocity, effort, friction)
 
 
-def write_limits(
-    model: pin.Model,
-    lower: np.ndarray,
-    upper: np.ndarray,
-    velocity: np.ndarray,
-    effort: np.ndarray,
-    friction: np.ndarray,
-) -> None:
+def write_limits(model: pin.Model, lower: Array, upper: Array, velocity: Array, effort: Array, friction: Array) -> None:
     """Set limits and dry friction of every joint of a normalised model, both signs of each.
 
     Args:

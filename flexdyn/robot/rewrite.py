@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from flexdyn.errors import InputError
+from flexdyn.io.files import relative
 from flexdyn.robot.joints import read_joint
 from flexdyn.robot.links import MOMENTS, Inertial, read_colors, read_link
 from flexdyn.robot.meshes import mesh_path
@@ -63,9 +63,5 @@ def _move_meshes(root: Any, urdf: Path, package_dirs: Sequence[Path], folder: Pa
     """Convert addresses relative to the old file's folder to addresses relative to the new one."""
     for mesh in root.iter("mesh"):
         found = mesh_path(mesh.get("filename") or "", urdf, package_dirs)
-        if found is None:
-            continue
-        try:
-            mesh.set("filename", Path(os.path.relpath(found, folder.resolve())).as_posix())
-        except ValueError:  # another drive
-            mesh.set("filename", found.as_posix())
+        if found is not None:
+            mesh.set("filename", relative(found, folder))

@@ -13,7 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from flexdyn.checks import Array, check_known
-from flexdyn.errors import InputError, did_you_mean, visible
+from flexdyn.errors import InputError, did_you_mean, listed, visible
 from flexdyn.io.locked import Locked, locked_copy
 from flexdyn.io.notebook import Public, card, table
 from flexdyn.robot.axes import Axes, with_axes
@@ -143,7 +143,7 @@ class Robot(Locked, Public):
         if np.array_equal(self.tree.parent, np.arange(m) - 1):
             return self.last_frame
         leaves = [j for j in range(m) if j not in self.tree.parent]
-        ends = ", ".join(f"'{self._last_frame(j)}'" for j in leaves[:6]) + (", ..." if len(leaves) > 6 else "")
+        ends = listed((f"'{self._last_frame(j)}'" for j in leaves), 6)
         remedy = f"name the frame, for example one of {ends}"
         raise InputError(f"robot {self.name} is branched and has no one end", key="frame", remedy=remedy)
 

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from flexdyn.errors import InputError, did_you_mean, one_line, placed
+from flexdyn.errors import InputError, did_you_mean, listed, one_line, placed
 from flexdyn.robot.joints import RobotJoint, read_joint
 from flexdyn.robot.links import Link, read_colors, read_link
-from flexdyn.robot.values import LONGEST_NAME
+from flexdyn.robot.values import LONGEST_NAME, fail
 from flexdyn.robot.xmlfile import read_xml
 
 MAX_JOINTS = 200
@@ -64,32 +64,33 @@ def _check_graph(links: Sequence[Link], joints: Sequence[RobotJoint]) -> None:
     declared = {link.name for link in links}
     parent_joint: dict[str, RobotJoint] = {}
     for joint in joints:
-        name, parent, child, line = joint.name, joint.parent, joint.child, joint.line
+        name, parent, child = joint.name, joint.parent, joint.child
         for end, link in (("parent", parent), ("child", child)):
             if link not in declared:
-                raise _error(f"joint '{name}'/{end}", f"link '{link}' is not declared", line, _declare(link, declared))
+                problem, remedy = f"link '{link}' is not declared", _declare(link, declared)
+                raise fail(joint, f"joint '{name}'/{end}", problem, remedy=remedy)
         if parent == child:
-            raise _error(f"joint '{name}'", f"joins link '{child}' to itself", line, "give it another parent")
+            raise fail(joint, f"joint '{name}'", f"joins link '{child}' to itself", remedy="give it another parent")
         if child in parent_joint:
             other = parent_joint[child].name
             remedy = "flexdyn models trees; remove one of the two joints"
-            raise _error(f"link '{child}'", f"has two parents, by joints '{other}' and '{name}'", line, remedy)
+            raise fail(joint, f"link '{child}'", f"has two parents, by joints '{other}' and '{name}'", remedy=remedy)
         parent_joint[child] = joint
     _refuse_loops(links, parent_joint)
     roots = [link.name for link in links if link.name not in parent_joint]
     if len(roots) > 1:
-        shown = ", ".join(f"'{name}'" for name in roots[:5]) + (", ..." if len(roots) > 5 else "")
         remedy = "join them to one tree by fixed joints, or remove the links that no joint connects"
+        shown = listed((f"'{name}'" for name in roots), 5)
         raise InputError(f"{len(roots)} root links: {shown}", key="link", remedy=remedy)
 
 
 def _refuse_repeats(what: str, named: Sequence[Link | RobotJoint]) -> None:
     first: dict[str, int | None] = {}
     for each in named:
-        name, line = each.name, each.line
-        if name in first:
-            raise _error(f"{what} '{name}'", f"the name is used twice, first in line {first[name]}", line, "rename one")
-        first[name] = line
+        if each.name in first:
+            problem = f"the name is used twice, first in line {first[each.name]}"
+            raise fail(each, f"{what} '{each.name}'", problem, remedy="rename one")
+        first[each.name] = each.sourceline
 
 
 def _refuse_loops(links: Sequence[Link], parent_joint: dict[str, RobotJoint]) -> None:
@@ -104,7 +105,7 @@ def _refuse_loops(links: Sequence[Link], parent_joint: dict[str, RobotJoint]) ->
                 # Ring order is child to parent; the reader expects parent to child.
                 round_trip = " -> ".join(reversed(loop[-6:]))
                 remedy = "flexdyn models trees; cut the loop at one joint"
-                raise _error(f"link '{link}'", f"the links form a loop: {round_trip}", parent_joint[link].line, remedy)
+                raise fail(parent_joint[link], f"link '{link}'", f"the links form a loop: {round_trip}", remedy=remedy)
             path.append(link)
             link = parent_joint[link].parent
         sound.update(path)
@@ -113,7 +114,3 @@ def _refuse_loops(links: Sequence[Link], parent_joint: dict[str, RobotJoint]) ->
 def _declare(link: str, declared: set[str]) -> str:
     near = did_you_mean(link, declared)
     return near if near.startswith("did you mean") else f'add <link name="{link}"/>'
-
-
-def _error(key: str, problem: str, line: int | None, remedy: str) -> InputError:
-    return InputError(problem + f" (line {line})" if line else "", key=key, remedy=remedy, line=line)

@@ -23,7 +23,7 @@ def unfit_name(name: str) -> str:
 
 
 def fail(element: Any, key: str, problem: str, value: Any = None, remedy: str | None = None) -> InputError:
-    """The error for an element, with its line.
+    """The error for an element, or for what was made of one, with its line.
 
     Args:
         element: the XML element where it was found.

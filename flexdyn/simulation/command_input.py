@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 
 from flexdyn import _core
 from flexdyn.arrays import Array
+from flexdyn.checks import check_known
 from flexdyn.control.commands import PD, Controller, FrameWrench, Interpolation, Samples, State, per_joint
 from flexdyn.control.firmware import CORE_ORDER, Firmware
 from flexdyn.control.points import COMMAND_KEYS, CommandPoints, command_of
@@ -21,7 +22,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, read_recording
 from flexdyn.records.given import as_recording
 from flexdyn.records.suggestion import asked_back
-from flexdyn.simulation.electrical import is_of_goals, with_asked_torque
+from flexdyn.simulation.electrical import firmware_by_joint, is_of_goals, with_asked_torque
 
 RECORDED: Interpolation = "monotone"
 """Default interpolation of a recorded reference: through its samples, never outside the range of two neighbours."""
@@ -67,7 +68,7 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
     if command is None:
         return Drive(_core.open_loop(None), None, {})
     if isinstance(command, Recording) and is_of_goals(model, command):
-        return _servo(model, Servo(reference=command, firmware=_own_firmware(model)))
+        return _servo(model, Servo(reference=command, firmware=firmware_by_joint(model)))
     if isinstance(command, Recording):
         samples = recorded(with_asked_torque(model, command), "tau", model.joint_names)
         made = _open_loop(samples, model, command.duration, first_state(command, model))
@@ -143,10 +144,10 @@ def recorded(recording: Recording, signal: str, joint_names: Sequence[str]) -> S
     Raises:
         InputError: the recording has no such signal, or one of a joint that the robot lacks.
     """
+    remedy = f"the robot's joints are {', '.join(joint_names)}"
     for joint in recording.joints:
-        if joint not in joint_names:
-            remedy = f"the robot's joints are {', '.join(joint_names)}"
-            raise InputError("the robot has no such joint", key=joint, file=recording.name or None, remedy=remedy)
+        place = {"key": joint, "file": recording.name or None}
+        check_known(joint, joint_names, "the robot has no such joint", remedy=remedy, **place)
     found = [joint for joint in joint_names if recording.has(signal, joint)]
     if not found:
         remedy = asked_back(recording.channels, signal) or f"columns named {signal}.JOINT are needed"
@@ -168,16 +169,14 @@ def first_state(recording: Recording, model: FlexibleJointModel) -> dict[str, di
     return initial
 
 
-def lower_wrenches(model: FlexibleJointModel, external: Any, duration: float) -> list[_core.ExternalWrench]:
+def lower_wrenches(model: FlexibleJointModel, external: Iterable[Any], duration: float) -> list[_core.ExternalWrench]:
     """Prepare external wrenches for the core.
 
     Raises:
         InputError: an object that is no FrameWrench, or a frame that the robot does not have.
     """
-    if external is None:
-        return []
     lowered = []
-    for wrench in (external,) if isinstance(external, FrameWrench) else tuple(external):
+    for wrench in external:
         if not isinstance(wrench, FrameWrench):
             raise InputError("a FrameWrench is needed", key="external", value=wrench)
         samples = wrench.samples
@@ -203,7 +202,7 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
     _check_reference("pd.reference", reference)
     if isinstance(reference, CommandPoints):
         initial = {"q": {joint: float(reference.values[0, k]) for k, joint in enumerate(reference.joints or ())}}
-        reference = reference.whole(names, {**model.initial.get("q", {})})
+        reference = reference.whole(names, model.initial.get("q", {}))
     if isinstance(ahead, Recording):
         ahead = recorded(ahead, "tau", names)
     if ahead is not None and not isinstance(ahead, Samples):
@@ -258,11 +257,6 @@ def _firmware(model: FlexibleJointModel, servo: Servo, reference: Samples) -> _c
         torques[j] = actuator.per_volt(joint.gear_ratio) * actuator.dc_motor.supply
     goals = np.ascontiguousarray(servo.goals(reference, model.joint_names))
     return _core.firmware(goals, settings, torques, servo.delay, servo.feedback == "theta")
-
-
-def _own_firmware(model: FlexibleJointModel) -> dict[str, Firmware]:
-    driven = ((name, joint.actuator) for name, joint in model.joints.items() if joint.actuator is not None)
-    return {name: actuator.firmware for name, actuator in driven if actuator.firmware is not None}
 
 
 def _check_reference(key: str, reference: Any) -> None:

@@ -52,8 +52,14 @@ def with_asked_torque(model: FlexibleJointModel, recording: Recording) -> Record
 
 def is_of_goals(model: FlexibleJointModel, recording: Recording) -> bool:
     """Whether a recording has goals of the model's servos and not the voltages of their motors."""
-    driven = [name for name, joint in model.joints.items() if joint.actuator is not None and joint.actuator.firmware]
+    driven = firmware_by_joint(model)
     return bool(driven) and all(_asked(recording, name) == "goal" for name in driven)
+
+
+def firmware_by_joint(model: FlexibleJointModel) -> dict[str, Firmware]:
+    """The firmware of every joint whose servo has one."""
+    driven = ((name, joint.actuator) for name, joint in model.joints.items() if joint.actuator is not None)
+    return {name: actuator.firmware for name, actuator in driven if actuator.firmware is not None}
 
 
 def firmware_duty(firmware: Firmware, goal: Array, position: Array) -> Array:

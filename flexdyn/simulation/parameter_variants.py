@@ -8,10 +8,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
-from flexdyn.arrays import Array
+from flexdyn.arrays import Array, Flags
 from flexdyn.effects import Effect, JointEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import Drive
@@ -21,7 +20,6 @@ from flexdyn.simulation.plant import acting_effects, build_links, core_law, move
 from flexdyn.simulation.solver_choice import budget, core_settings
 from flexdyn.simulation.solvers import Solver
 
-Flags = NDArray[np.bool_]
 Numbers = Mapping[Any, Mapping[str, Array]]
 
 

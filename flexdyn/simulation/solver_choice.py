@@ -7,9 +7,9 @@ from dataclasses import asdict
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array
 from flexdyn.effects import Effect, JointCoupling
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -32,7 +32,7 @@ STEP_BUDGETS: dict[type[Solver], tuple[int, int]] = {
 
 
 def choose_solver(
-    model: FlexibleJointModel, solver: Solver | str, plant: _core.Plant, x0: NDArray[np.float64]
+    model: FlexibleJointModel, solver: Solver | str, plant: _core.Plant, x0: Array
 ) -> tuple[Solver, tuple[str, ...]]:
     """Choose the solver, and write notes about it.
 
@@ -83,7 +83,7 @@ def switch_notes(notes: tuple[str, ...], solver: Solver) -> tuple[str, ...]:
     return (*notes, f"solver: Rosenbrock from t = {solver.until:.6g} s on, where a rate above {STIFF:g} 1/s was met")
 
 
-def fastest_rate(plant: _core.Plant, x0: NDArray[np.float64]) -> float:
+def fastest_rate(plant: _core.Plant, x0: Array) -> float:
     """The largest absolute eigenvalue of the motion linearised at x0, without dry friction [1/s]."""
     size = plant.state_size
     jacobian = np.empty((size, size))

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
 from flexdyn.arrays import Array
@@ -27,7 +26,7 @@ RESERVE = 2.0  # times as many steps as the trial foretells must be within the b
 
 
 def stopped(
-    report: Mapping[str, Any], solver: Solver, model: FlexibleJointModel, tau: NDArray[np.float64], duration: float
+    report: Mapping[str, Any], solver: Solver, model: FlexibleJointModel, tau: Array, duration: float
 ) -> SimulationError:
     """The error of a run that could not continue.
 
@@ -58,7 +57,7 @@ def stopped(
     return SimulationError(told, t=t, state=state, solver=solver, reason=reason, fastest=fastest, remedy=remedy)
 
 
-def _runaway(model: FlexibleJointModel, state: NDArray[np.float64]) -> str:
+def _runaway(model: FlexibleJointModel, state: Array) -> str:
     """The message for a motion that no arm makes; empty for others."""
     n, elastic = model.n, np.flatnonzero(model.elastic)
     speeds = np.abs(state[n + len(elastic) : 2 * (n + len(elastic))])
@@ -113,4 +112,4 @@ def rosenbrock_gets_through(model: FlexibleJointModel, x: Array, tau: Array, dur
     if not tried["reason"]:
         return True
     needed = (int(tried["steps"]) + int(tried["rejected"])) * duration / max(float(tried["t"]), 1e-300)
-    return tried["reason"] == "more steps than allowed" and RESERVE * needed <= budget(solver, duration)
+    return tried["reason"] == SPENT and RESERVE * needed <= budget(solver, duration)

@@ -3,7 +3,3 @@
 `motion` and `sources` hold the motion of an arm, `bodies` and `solids` its shapes; `scene` makes meshcat's commands,
 `show` the page's content, `page` one HTML file; `server` serves it; `playback` is for users.
 """
-
-from flexdyn.viewer.playback import Playback, play
-
-__all__ = ["Playback", "play"]

@@ -11,6 +11,7 @@ from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
+from flexdyn.simulation.plant import first_positions
 from flexdyn.simulation.run import Run
 
 FASTEST = 240.0
@@ -62,21 +63,18 @@ def of_run(run: Run) -> PlayedMotion:
 
 def at_rest(model: FlexibleJointModel) -> PlayedMotion:
     """The arm at its initial position."""
-    q = np.array([[model.initial.get("q", {}).get(joint, 0.0) for joint in model.joint_names]])
+    q = first_positions(model)[None]
     notes = ("the arm stands at the model's initial position",)
     return PlayedMotion(model.name, np.zeros(1), q, np.full_like(q, np.nan), notes)
 
 
-def of_recording(
-    recording: Recording, model: FlexibleJointModel, missing: PlayedMotion, label: str = ""
-) -> PlayedMotion:
+def of_recording(recording: Recording, model: FlexibleJointModel, missing: PlayedMotion) -> PlayedMotion:
     """A recorded motion of the joints of a model.
 
     Args:
         recording: with q or theta of at least one joint; a joint that has theta alone is shown at theta.
         model: of the arm.
         missing: positions of joints that the recording does not have.
-        label: default: the recording's name.
 
     Raises:
         InputError: no position of any joint of the model.
@@ -105,7 +103,7 @@ def of_recording(
         "not in the recording, held or as in the arm it is compared with": absent,
     }
     notes = tuple(f"{text}: {', '.join(names)}" for text, names in said.items() if names)
-    return PlayedMotion(label or recording.name or model.name, recording.t, q, deflection, notes)
+    return PlayedMotion(recording.name or model.name, recording.t, q, deflection, notes)
 
 
 @dataclass(frozen=True)

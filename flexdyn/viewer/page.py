@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.io import html
 
 
@@ -47,7 +47,7 @@ def packed(commands: Iterable[Mapping[str, Any]]) -> str:
     return base64.b64encode(gzip.compress(b"".join(parts), compresslevel=6, mtime=0)).decode("ascii")
 
 
-def floats(values: NDArray[np.float64]) -> str:
+def floats(values: Array) -> str:
     """Numbers as base64 of little-endian 4-byte floats, row by row."""
     return base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode("ascii")
 

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn import analysis
 from tests.analysis.arms import WEIGHT, two_mass
 from tests.arms import EXACT, two_link
 from tests.oracles.two_link import TwoLink
@@ -39,7 +38,7 @@ LAWS: dict[str, list[dict[str, Any]]] = {
 @pytest.mark.parametrize("tau", [(0.0, 0.0), (2.0, 1.0), (-6.0, 0.5)])
 def test_two_links_under_gravity(tau: tuple[float, float]) -> None:
     """At rest the motors carry the weight, G(q) = tau = K (theta - q), and the hanging side is the stable one."""
-    found = analysis.equilibrium(two_link(ARM), tau, q_guess=[-1.2, 0.2])
+    found = fd.equilibrium(two_link(ARM), tau, q_guess=[-1.2, 0.2])
     np.testing.assert_allclose(ARM.weight(*found.q), tau, atol=1e-9)
     np.testing.assert_allclose((found.theta - found.q) * ARM.stiffness, tau, atol=1e-9)
     np.testing.assert_allclose(ARM.derivative(found.x.tolist(), tau), 0.0, atol=1e-8)
@@ -59,8 +58,8 @@ def test_where_a_damped_arm_comes_to_rest(name: str) -> None:
     ]
     model = two_link(ARM, [*LAWS[name], *oil])
     tau = [1.5, 0.8]
-    found = analysis.equilibrium(model, tau, q_guess=[-1.2, 0.2])
-    plain = analysis.equilibrium(two_link(ARM), tau, q_guess=[-1.2, 0.2])
+    found = fd.equilibrium(model, tau, q_guess=[-1.2, 0.2])
+    plain = fd.equilibrium(two_link(ARM), tau, q_guess=[-1.2, 0.2])
     assert max(np.abs(found.q - plain.q).max(), np.abs(found.theta - plain.theta).max()) > 1e-3  # the law matters
     start: dict[str, Any] = {"q0": found.q + np.array([0.05, -0.04]), "theta0": found.theta + np.array([0.05, -0.03])}
     run = fd.simulate(model, tau, 60.0, fd.solvers.DormandPrince(rtol=1e-9, atol=1e-11), rate=1, **start)
@@ -70,7 +69,7 @@ def test_where_a_damped_arm_comes_to_rest(name: str) -> None:
 
 def test_upright_is_an_equilibrium_and_falls() -> None:
     """Newton finds the equilibrium that is near, also one that no simulation would come to."""
-    found = analysis.equilibrium(two_link(ARM), q_guess=[1.5, 0.05])
+    found = fd.equilibrium(two_link(ARM), q_guess=[1.5, 0.05])
     np.testing.assert_allclose(found.q, [math.pi / 2, 0.0], atol=1e-9)
     assert found.stability == "unstable"
     assert not found.stable
@@ -80,14 +79,14 @@ def test_a_far_guess_ends_at_some_equilibrium() -> None:
     """From anywhere an arm under gravity has a place to hang."""
     model = fd.load_model("ur5")
     for q in np.random.default_rng(3).uniform(-3.0, 3.0, (4, 6)):
-        found = analysis.equilibrium(model, q_guess=q)
+        found = fd.equilibrium(model, q_guess=q)
         assert found.residual < 1e-8
 
 
 def test_a_mass_on_its_stop(tmp_path: Path) -> None:
     """A slider lies on its lower stop with all its weight; gravity alone, far from it, lets it fall there."""
     stop = {"effect": "end_stop", "lower": -0.2, "upper": 5.0, "stiffness": 4000.0, "damping": 10.0}
-    found = analysis.equilibrium(two_mass(tmp_path, [stop]), q_guess=[3.0])
+    found = fd.equilibrium(two_mass(tmp_path, [stop]), q_guess=[3.0])
     assert found.q == pytest.approx([-0.2 - WEIGHT / 4000.0], abs=1e-12)
     assert found.theta == pytest.approx(found.q)
     assert found.stable
@@ -98,15 +97,15 @@ def test_no_equilibrium_is_said_in_one_line(tmp_path: Path) -> None:
     with pytest.raises(
         fd.InputError, match=r"^no equilibrium: at the nearest, \S+ N m on \w+ is left unbalanced; take"
     ):
-        analysis.equilibrium(two_link(ARM), [100.0, 0.0])
+        fd.equilibrium(two_link(ARM), [100.0, 0.0])
     with pytest.raises(fd.InputError, match=r"^no equilibrium: at the nearest, -24\.5\d N on lift") as caught:
-        analysis.equilibrium(two_mass(tmp_path))
+        fd.equilibrium(two_mass(tmp_path))
     assert "\n" not in str(caught.value)
 
 
 def test_without_gravity_every_pose_will_do() -> None:
     """A horizontal arm stays where it is looked for, held by nothing: neutral."""
-    found = analysis.equilibrium(two_link(TwoLink()), q_guess=[0.4, 0.9])
+    found = fd.equilibrium(two_link(TwoLink()), q_guess=[0.4, 0.9])
     assert found.q.tolist() == [0.4, 0.9]
     assert found.stability == "neutral"
 
@@ -114,7 +113,7 @@ def test_without_gravity_every_pose_will_do() -> None:
 def test_friction_holds_where_nothing_else_would() -> None:
     """A horizontal arm under torques below its dry levels rests where it is; above them it has no equilibrium."""
     model = fd.load_model("scara_two_link")
-    found = analysis.equilibrium(model, [0.029, -0.029])
+    found = fd.equilibrium(model, [0.029, -0.029])
     assert found.stability == "held"
     assert found.stable
     np.testing.assert_allclose(found.q, [0.0, math.pi / 2])
@@ -124,20 +123,20 @@ def test_friction_holds_where_nothing_else_would() -> None:
     run = fd.simulate(model, found.tau, 5.0, EXACT, q0=found.q, theta0=found.theta, rate=10)
     assert np.ptp(run.q, axis=0).tolist() == [0.0, 0.0]
     with pytest.raises(fd.InputError, match=r"^no equilibrium: "):
-        analysis.equilibrium(model, [0.031, 0.0])
+        fd.equilibrium(model, [0.031, 0.0])
 
 
 def test_a_saturated_motor_gives_what_it_can(tmp_path: Path) -> None:
     """Asked for more than its stall torque, the motor holds the arm where the stall torque does."""
     limit = {"effect": "torque_speed_limit", "joint": "elbow", "stall_torque": 0.7, "no_load_speed": 4.0}
-    found = analysis.equilibrium(two_link(ARM, [limit]), [2.0, 3.0], q_guess=[-1.2, 0.2])
+    found = fd.equilibrium(two_link(ARM, [limit]), [2.0, 3.0], q_guess=[-1.2, 0.2])
     np.testing.assert_allclose(ARM.weight(*found.q), [2.0, 0.7], atol=1e-9)
     assert found.holding.upper[1] == math.inf
 
 
 def test_equilibria_are_locked_and_pickle() -> None:
     """One line to read, arrays that do not change."""
-    found = pickle.loads(pickle.dumps(analysis.equilibrium(two_link(ARM), q_guess=[-1.5, 0.0])))  # noqa: S301
+    found = pickle.loads(pickle.dumps(fd.equilibrium(two_link(ARM), q_guess=[-1.5, 0.0])))  # noqa: S301
     assert repr(found).startswith("<Equilibrium shoulder -1.5708, elbow ")
     assert repr(found).endswith("; stable>")
     with pytest.raises(ValueError, match="read-only"):

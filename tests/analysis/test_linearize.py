@@ -14,7 +14,6 @@ from scipy.linalg import expm
 from scipy.signal import lsim
 
 import flexdyn as fd
-from flexdyn import analysis
 from flexdyn.simulation.plant import build_plant
 from tests.analysis.arms import DAMPER, MASS, ROTOR, SPRING, WEIGHT, two_mass
 from tests.arms import EXACT, state, two_link
@@ -49,7 +48,7 @@ def test_shipped_arms_against_differences(name: str) -> None:
     theta = q[model.elastic] + random.uniform(-0.01, 0.01, int(model.elastic.sum()))
     speeds = random.uniform(0.1, 0.4, half) * random.choice([-1.0, 1.0], half)
     x, tau = np.concatenate([q, theta, speeds]), random.uniform(-0.1, 0.1, model.n)
-    linear = analysis.linearize(model, x, tau)
+    linear = fd.linearize(model, x, tau)
     A, B = differences(model, x, tau)
     np.testing.assert_allclose(linear.A, A, rtol=1e-6, atol=1e-9 * np.abs(A).max())
     np.testing.assert_allclose(linear.B, B, rtol=1e-8, atol=1e-10 * np.abs(B).max())
@@ -72,7 +71,7 @@ def test_two_links_against_differences_of_the_closed_form(stiffness: tuple[float
 
     A = np.array([rate(x + d, tau) - rate(x - d, tau) for d in h * np.eye(len(x))]).T / (2.0 * h)
     B = np.array([rate(x, tau + d) - rate(x, tau - d) for d in h * np.eye(2)]).T / (2.0 * h)
-    linear = analysis.linearize(two_link(arm), x, tau)
+    linear = fd.linearize(two_link(arm), x, tau)
     np.testing.assert_allclose(linear.A, A, atol=1e-6)
     np.testing.assert_allclose(linear.B, B, atol=1e-6)
     np.testing.assert_allclose(linear.rate0, rate(x, tau), atol=1e-10)
@@ -104,11 +103,11 @@ def test_every_law_against_differences(effects: list[fd.effects.Effect]) -> None
     model = two_link(HANGING, effects)
     x = np.concatenate([[0.4, -0.7, 0.47, -0.6, 0.3, -0.2, 0.5, 0.4], np.full(8, 0.003)])
     x, tau = x[: build_plant(model).state_size], np.array([1.0, -0.5])
-    linear = analysis.linearize(model, x, tau)
+    linear = fd.linearize(model, x, tau)
     A, B = differences(model, x, tau)
     np.testing.assert_allclose(linear.A, A, rtol=1e-6, atol=1e-8 * np.abs(A).max())
     np.testing.assert_allclose(linear.B, B, rtol=1e-8, atol=1e-10 * np.abs(B).max())
-    plain = analysis.linearize(two_link(HANGING), x[:8], tau)
+    plain = fd.linearize(two_link(HANGING), x[:8], tau)
     assert np.abs(linear.A[:8, :8] - plain.A).max() > 1e-3 or np.abs(linear.rate0[:8] - plain.rate0).max() > 1e-3
 
 
@@ -116,7 +115,7 @@ def test_free_response_differs_by_the_square_of_the_amplitude() -> None:
     """About a pose held by its motors, expm(A t) dx is the nonlinear motion but for a quadratic error."""
     model = two_link(HANGING)
     q = np.array([0.3, 0.8])
-    linear = analysis.linearize(model, q)
+    linear = fd.linearize(model, q)
     assert np.abs(linear.rate0).max() < 1e-11
     direction = np.array([1.0, -1.0, 0.5, 1.0, 0.0, 0.0, 1.0, -1.0])
     errors = []
@@ -134,7 +133,7 @@ def test_free_response_differs_by_the_square_of_the_amplitude() -> None:
 def test_scipy_takes_it() -> None:
     """The response of scipy.signal to the model made for it is the step of torque that the arm itself answers with."""
     model = two_link(HANGING)
-    linear = analysis.linearize(model, [-math.pi / 2, 0.2])
+    linear = fd.linearize(model, [-math.pi / 2, 0.2])
     step = np.array([1e-4, -2e-4])
     t = np.linspace(0.0, 1.0, 201)
     _, y, _ = lsim(linear.to_scipy(), np.tile(step, (len(t), 1)), t)
@@ -154,26 +153,26 @@ def test_sliding_friction_has_the_slope_of_its_branch(tmp_path: Path) -> None:
     ]
     model = two_mass(tmp_path, effects)
     speed = -0.07
-    sliding = analysis.linearize(model, [0.3, 0.3, 0.0, speed], [0.0])
+    sliding = fd.linearize(model, [0.3, 0.3, 0.0, speed], [0.0])
     slope = -2.0 / 0.1 * math.exp(speed / 0.1)
     assert sliding.A[3, 3] == pytest.approx((-DAMPER - slope) / ROTOR, rel=1e-8)
     assert sliding.A[2, 2] == pytest.approx(-DAMPER / MASS, rel=1e-8)  # the link rests: its friction is left out
     assert sliding.rate0[3] == pytest.approx((3.0 + 2.0 * math.exp(speed / 0.1) - DAMPER * speed) / ROTOR)
-    resting = analysis.linearize(model, [0.3], [0.0])
+    resting = fd.linearize(model, [0.3], [0.0])
     assert resting.A[3, 3] == pytest.approx(-DAMPER / ROTOR, rel=1e-8)
 
 
 def test_a_rotor_that_friction_holds(tmp_path: Path) -> None:
     """Held by its motor's friction a mass swings on its spring alone, whatever the motor asks for."""
     model = two_mass(tmp_path, [{"effect": "coulomb_friction", "side": "motor", "level": 3.0}])
-    linear = analysis.linearize(model, [0.3], stuck="held", outputs=("q", "theta", "v"))
+    linear = fd.linearize(model, [0.3], stuck="held", outputs=("q", "theta", "v"))
     assert linear.held == ("theta.lift",)
     assert linear.state_names == ("q.lift", "v.lift")
     np.testing.assert_allclose(linear.A, [[0.0, 1.0], [-SPRING / MASS, -DAMPER / MASS]], rtol=1e-8)
     assert not linear.B.any()
     np.testing.assert_array_equal(linear.C, [[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]])
     with pytest.raises(fd.InputError, match=r"^stuck: dry friction does not hold theta\.lift at rest, got 'held'; use"):
-        analysis.linearize(model, [0.3], [WEIGHT + 3.1], stuck="held")
+        fd.linearize(model, [0.3], [WEIGHT + 3.1], stuck="held")
 
 
 def test_a_link_that_friction_holds_among_others() -> None:
@@ -181,7 +180,7 @@ def test_a_link_that_friction_holds_among_others() -> None:
     arm = TwoLink(stiffness=(30.0, math.inf), damping=(0.2, 0.0), rotor=(0.2, 0.1))
     model = two_link(arm, [{"effect": "coulomb_friction", "joint": "shoulder", "side": "link", "level": 5.0}])
     q = np.array([0.3, 0.8])
-    linear = analysis.linearize(model, q, stuck="held")
+    linear = fd.linearize(model, q, stuck="held")
     assert linear.state_names == ("q.elbow", "theta.shoulder", "v.elbow", "omega.shoulder")
     step = np.array([1e-3, 2e-3])
     run = fd.simulate(model, step, 0.3, EXACT, rate=100, q0=q, theta0=q)
@@ -196,7 +195,7 @@ def test_a_link_that_friction_holds_among_others() -> None:
 def test_inputs_outputs_and_actuators(tmp_path: Path) -> None:
     """Chosen inputs and channels by name; a wrong torque constant scales B, a motor at its limit has none left."""
     model = fd.load_model("scara_two_link")
-    linear = analysis.linearize(model, inputs=["elbow"], outputs=["deflection", "omega.elbow"])
+    linear = fd.linearize(model, inputs=["elbow"], outputs=["deflection", "omega.elbow"])
     assert linear.input_names == ("tau.elbow",)
     assert linear.output_names == ("deflection.shoulder", "deflection.elbow", "omega.elbow")
     expected = np.zeros((3, 8))
@@ -206,21 +205,21 @@ def test_inputs_outputs_and_actuators(tmp_path: Path) -> None:
     assert linear.B[:, 0] == pytest.approx(np.eye(8)[7] / 0.1)
     assert linear.D.shape == (3, 1)
     strong = two_mass(tmp_path, [{"effect": "torque_constant_error", "gain": 0.1}])
-    linear = analysis.linearize(strong, [0.3])
+    linear = fd.linearize(strong, [0.3])
     assert linear.B[3, 0] == pytest.approx(1.1 / ROTOR)
     assert linear.tau0 == pytest.approx([WEIGHT / 1.1])
     weak = two_mass(tmp_path, [{"effect": "torque_speed_limit", "stall_torque": 20.0, "no_load_speed": 4.0}])
-    linear = analysis.linearize(weak, [0.3], [30.0])
+    linear = fd.linearize(weak, [0.3], [30.0])
     assert not linear.B.any()
     assert linear.A[3, 3] == pytest.approx((-DAMPER - 20.0 / 4.0) / ROTOR, rel=1e-8)
     with pytest.raises(fd.InputError, match=r"^q: the motor of lift is too weak to hold the pose"):
-        analysis.linearize(weak, [0.3])
+        fd.linearize(weak, [0.3])
 
 
 def test_internal_states(tmp_path: Path) -> None:
     """At rest a bristle follows its coordinate, z' = u, and pulls with its stiffness."""
     bristle = {"effect": "presliding_friction", "side": "motor", "level": 2.0, "stiffness": 90.0, "damping": 0.5}
-    linear = analysis.linearize(two_mass(tmp_path, [bristle]), [0.3])
+    linear = fd.linearize(two_mass(tmp_path, [bristle]), [0.3])
     assert linear.state_names[-1] == "z[0]"
     np.testing.assert_allclose(linear.A[4], [0.0, 0.0, 0.0, 1.0, 0.0], atol=1e-9)
     assert linear.A[3, 4] == pytest.approx(-90.0 / ROTOR, rel=1e-8)
@@ -230,16 +229,16 @@ def test_internal_states(tmp_path: Path) -> None:
 def test_immutable_and_portable() -> None:
     """Arrays are locked, also after pickling; poles are A's eigenvalues; a joint's name misspelt is named."""
     model = fd.load_model("ur5")
-    linear = pickle.loads(pickle.dumps(analysis.linearize(model)))  # noqa: S301
+    linear = pickle.loads(pickle.dumps(fd.linearize(model)))  # noqa: S301
     with pytest.raises(ValueError, match="read-only"):
         linear.A[0, 0] = 1.0
     assert repr(linear) == "<LinearModel 24 states, 6 inputs, 12 outputs>"
     assert linear.poles.sum() == pytest.approx(np.trace(linear.A))
     with pytest.raises(fd.InputError, match="joint: no such joint, got 'elbow'; did you mean 'elbow_joint'"):
-        analysis.linearize(model, inputs=["elbow"])
+        fd.linearize(model, inputs=["elbow"])
     with pytest.raises(fd.InputError, match=r"outputs: no such signal, got 'teta'; did you mean 'theta'"):
-        analysis.linearize(model, outputs=["teta"])
+        fd.linearize(model, outputs=["teta"])
     with pytest.raises(fd.InputError, match=r"^x: 24 finite numbers are needed"):
-        analysis.linearize(model, np.zeros(5))
+        fd.linearize(model, np.zeros(5))
     with pytest.raises(fd.InputError, match=r"^stuck: no such choice, got 'yes'; it is free or held"):
-        analysis.linearize(model, stuck="yes")  # type: ignore[arg-type]
+        fd.linearize(model, stuck="yes")  # type: ignore[arg-type]

@@ -13,7 +13,6 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 import flexdyn as fd
-from flexdyn import analysis
 from tests.analysis.arms import DAMPER, MASS, ROTOR, SPRING, WEIGHT, matrices, two_mass
 from tests.arms import coupled, two_link
 from tests.oracles.two_link import TwoLink
@@ -23,7 +22,7 @@ TURN = 2.0 * math.pi
 
 def test_two_masses_on_a_spring(tmp_path: Path) -> None:
     """W^2 = K (1/J + 1/M), anti-resonance sqrt(K/M), damping D/(2 sqrt(K mu)), and the centre of mass stays."""
-    found = analysis.modes(two_mass(tmp_path))
+    found = fd.modes(two_mass(tmp_path))
     reduced = 1.0 / (1.0 / ROTOR + 1.0 / MASS)
     w, ratio = math.sqrt(SPRING / reduced), DAMPER / (2.0 * math.sqrt(SPRING * reduced))
     assert found.kinds == ("rigid-body", "vibration")
@@ -41,7 +40,7 @@ def test_two_masses_on_a_spring(tmp_path: Path) -> None:
 
 def test_rotors_held(tmp_path: Path) -> None:
     """With its rotor held a mass swings at sqrt(K/M), damped by D/(2 sqrt(K M))."""
-    found = analysis.modes(two_mass(tmp_path), rotors="held")
+    found = fd.modes(two_mass(tmp_path), rotors="held")
     assert found.frequencies == pytest.approx([math.sqrt(SPRING / MASS) / TURN])
     assert found.damping_ratios == pytest.approx([DAMPER / (2.0 * math.sqrt(SPRING * MASS))])
     assert found.rotor_shapes.tolist() == [[0.0]]
@@ -56,7 +55,7 @@ def test_two_links_against_hand_written_matrices(
     """The paper's arm (eq. 16-18) by SciPy's eigh: frequencies and shapes; one rotor held: anti-resonances."""
     arm = TwoLink(stiffness=stiffness, damping=(0.2, 0.1), rotor=(0.1, 0.07), gravity=gravity)
     inertia, K, _ = matrices(arm, q)
-    found = analysis.modes(two_link(arm), q)
+    found = fd.modes(two_link(arm), q)
     squared, shapes = eigh(K, inertia)
     expected = np.sqrt(np.maximum(squared, 0.0)) / TURN
     np.testing.assert_allclose(found.frequencies[2:], expected[2:], rtol=1e-9)
@@ -83,7 +82,7 @@ def test_damping_that_couples_the_modes(tmp_path: Path) -> None:
     q = (-math.pi / 2, 0.1)
     coefficient = 0.02
     friction = {"effect": "viscous_friction", "joint": "elbow", "side": "motor", "coefficient": coefficient}
-    found = analysis.modes(two_link(arm, [friction]), q)
+    found = fd.modes(two_link(arm, [friction]), q)
     inertia, K, D = matrices(arm, q)
     D[3, 3] += coefficient
     A = np.block([[np.zeros((4, 4)), np.eye(4)], [-np.linalg.solve(inertia, K), -np.linalg.solve(inertia, D)]])
@@ -110,7 +109,7 @@ def test_every_spring_at_its_load(tmp_path: Path) -> None:
     load = WEIGHT + parallel * (q - 0.2) + 3.0 * math.sin(q) + stop * (q - 0.1)
     delta = brentq(lambda d: SPRING * d + cubic * d**3 - load, 0.0, 1.0, xtol=1e-15)
     K = SPRING + 3.0 * cubic * delta**2 + 60.0 + parallel + 3.0 * math.cos(q) + stop
-    found = analysis.modes(two_mass(tmp_path, effects), [q], rotors="held")
+    found = fd.modes(two_mass(tmp_path, effects), [q], rotors="held")
     assert found.frequencies == pytest.approx([math.sqrt(K / MASS) / TURN], rel=1e-8)
     assert found.damping_ratios == pytest.approx([(DAMPER + 7.0) / (2.0 * math.sqrt(K * MASS))], rel=1e-8)
 
@@ -122,7 +121,7 @@ def test_bristles_and_cogging_hold_the_rotor(tmp_path: Path) -> None:
     dry = {"effect": "coulomb_friction", "side": "motor", "level": 3.0}
     limit = {"effect": "torque_speed_limit", "stall_torque": 1.0, "no_load_speed": 1.0}
     model = two_mass(tmp_path, [presliding, ripple, dry, limit])
-    found = analysis.modes(model, [-WEIGHT / SPRING])  # theta = 0
+    found = fd.modes(model, [-WEIGHT / SPRING])  # theta = 0
     K = np.array([[SPRING, -SPRING], [-SPRING, SPRING + 90.0 + 0.7 * 20.0]])
     squared = eigh(K, np.diag([MASS, ROTOR]), eigvals_only=True)
     np.testing.assert_allclose(found.frequencies, np.sqrt(squared) / TURN, rtol=1e-8)
@@ -131,7 +130,7 @@ def test_bristles_and_cogging_hold_the_rotor(tmp_path: Path) -> None:
 def test_a_slack_gap_leaves_rotor_and_link_apart(tmp_path: Path) -> None:
     """A transmission with backlash that carries nothing has no stiffness: two rigid-body modes."""
     model = two_mass(tmp_path, [{"effect": "backlash", "half_gap": 0.01}]).replace(gravity=[0.0, 0.0, 0.0])
-    assert analysis.modes(model, [0.4]).kinds == ("rigid-body", "rigid-body")
+    assert fd.modes(model, [0.4]).kinds == ("rigid-body", "rigid-body")
 
 
 def test_a_joint_that_mimics_another(tmp_path: Path) -> None:
@@ -141,7 +140,7 @@ def test_a_joint_that_mimics_another(tmp_path: Path) -> None:
     model = fd.FlexibleJointModel(coupled(tmp_path, ratio, 0.3), drive)
     d11, d22, d12, _ = TwoLink(tip_mass=0.0).inertias(ratio * 0.7 + 0.3)
     inertia = d11 + 2.0 * ratio * d12 + ratio**2 * d22
-    found = analysis.modes(model, [0.7])
+    found = fd.modes(model, [0.7])
     reduced = 1.0 / (1.0 / inertia + 1.0 / 0.2)
     assert found.frequencies == pytest.approx([0.0, math.sqrt(30.0 / reduced) / TURN], rel=1e-8)
 
@@ -150,46 +149,46 @@ def test_a_joint_that_mimics_another(tmp_path: Path) -> None:
 def test_stiff_joints_do_not_hide_how_an_arm_hangs(stiffness: float) -> None:
     """Rigid-body modes are told from slow pendulum modes at any stiffness; rotors take part in the pendulum."""
     arm = TwoLink(stiffness=(stiffness, stiffness))
-    assert analysis.modes(two_link(arm), [0.7, -2.0]).kinds[:2] == ("rigid-body", "rigid-body")
+    assert fd.modes(two_link(arm), [0.7, -2.0]).kinds[:2] == ("rigid-body", "rigid-body")
     heavy = TwoLink(stiffness=(stiffness, stiffness), gravity=9.81)
-    hanging = analysis.modes(two_link(heavy), [-math.pi / 2, 0.0])
+    hanging = fd.modes(two_link(heavy), [-math.pi / 2, 0.0])
     assert set(hanging.kinds) == {"vibration"}
     inertia, K, _ = matrices(heavy, (-math.pi / 2, 0.0))
     slow = np.sqrt(1.0 / eigh(inertia, K, eigvals_only=True)[::-1][:2]) / TURN  # small roots from the inverse problem
     np.testing.assert_allclose(hanging.frequencies[:2], slow, rtol=1e-4)
-    assert analysis.modes(two_link(heavy), [math.pi / 2, 0.0]).kinds[:2] == ("unstable", "unstable")
+    assert fd.modes(two_link(heavy), [math.pi / 2, 0.0]).kinds[:2] == ("unstable", "unstable")
 
 
 def test_frequencies_over_a_path(tmp_path: Path) -> None:
     """Every pose of a path has the modes of that pose; a run is a path too."""
     model = two_link(TwoLink(stiffness=(30.0, 20.0)))
     path = np.column_stack([np.zeros(9), np.linspace(0.0, math.pi, 9)])
-    found = analysis.frequencies_over_path(model, path)
+    found = fd.frequencies_over_path(model, path)
     for k in (0, 5):
-        single = analysis.modes(model, path[k])
+        single = fd.modes(model, path[k])
         np.testing.assert_array_equal(found.frequencies[k], single.frequencies)
         np.testing.assert_array_equal(found.anti_resonances[k], single.anti_resonances)
     np.testing.assert_allclose(found.distance, path[:, 1])
     assert (np.diff(found.frequencies[:, 3]) != 0).all()
     run = fd.simulate(model, [0.1, 0.0], 0.01)
-    assert analysis.frequencies_over_path(model, run, rotors="held").frequencies.shape == (11, 2)
+    assert fd.frequencies_over_path(model, run, rotors="held").frequencies.shape == (11, 2)
     assert "9 poses" in repr(found)
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(found)).frequencies, found.frequencies)  # noqa: S301
 
 
 def test_modes_show_themselves_in_a_line_and_in_a_notebook() -> None:
     """Of an arm of six joints as of one of two: `repr` is short, the notebook has every mode."""
-    found = analysis.modes(fd.load_model("ur5"), rotors="held")
+    found = fd.modes(fd.load_model("ur5"), rotors="held")
     assert repr(found).startswith("<Modes of ur5, rotors held: ")
     assert repr(found).count("\n") == 0
-    html = analysis.modes(fd.load_model("ur5"))._repr_html_()
+    html = fd.modes(fd.load_model("ur5"))._repr_html_()
     assert html.count("<tr>") == 1 + 2 * 12
     assert "anti-resonances of wrist_3_joint" in html
 
 
 def test_modes_read_as_a_table_and_as_data() -> None:
     """A line a mode, rows that JSON takes, arrays that are locked, also after pickling."""
-    found = analysis.modes(fd.load_model("scara_two_link"))
+    found = fd.modes(fd.load_model("scara_two_link"))
     lines = str(found).splitlines()
     assert lines[0].startswith("scara_two_link: 4 modes at shoulder 0, elbow 1.571; rotors free")
     assert sum(line.split()[0].isdigit() for line in lines if line.strip()) == len(found) == 4
@@ -208,14 +207,14 @@ def test_what_modes_refuse(tmp_path: Path) -> None:
     """Wrong arguments are named in one line."""
     model = two_mass(tmp_path)
     with pytest.raises(fd.InputError, match=r"^rotors: no such choice, got 'locked'; it is free or held$"):
-        analysis.modes(model, rotors="locked")  # type: ignore[arg-type]
+        fd.modes(model, rotors="locked")  # type: ignore[arg-type]
     with pytest.raises(fd.InputError, match=r"^q: 1 finite numbers are needed"):
-        analysis.modes(model, [1.0, 2.0])
+        fd.modes(model, [1.0, 2.0])
     with pytest.raises(fd.InputError, match=r"^q\.lif: the robot has no such joint; did you mean 'lift'\?$"):
-        analysis.modes(model, {"lif": 1.0})
+        fd.modes(model, {"lif": 1.0})
     with pytest.raises(fd.InputError, match="every joint is rigid"):
-        analysis.modes(model.rigid(), rotors="held")
+        fd.modes(model.rigid(), rotors="held")
     with pytest.raises(fd.InputError, match=r"^model: a FlexibleJointModel is needed"):
-        analysis.modes("panda")  # type: ignore[arg-type]
+        fd.modes("panda")  # type: ignore[arg-type]
     with pytest.raises(fd.InputError, match=r"^path: finite positions \(samples, 1\) are needed"):
-        analysis.frequencies_over_path(model, [0.1, 0.2])
+        fd.frequencies_over_path(model, [0.1, 0.2])

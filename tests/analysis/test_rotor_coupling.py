@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh, expm
 
 import flexdyn as fd
-from flexdyn import analysis
 from flexdyn.simulation.plant import build_plant
 from tests.analysis.arms import gravity_slope
 from tests.arms import EXACT, state
@@ -87,7 +86,7 @@ def test_linearize_against_differences(tmp_path: Path, stiffness: tuple[float, f
         build_plant(model).derivative(0.0, x, tau, 0.0, out)
         return out
 
-    linear = analysis.linearize(model, x, tau)
+    linear = fd.linearize(model, x, tau)
     for rate in (core, lambda x, tau: arm.derivative(x, tau.tolist())):
         A = np.array([rate(x + d, tau) - rate(x - d, tau) for d in h * np.eye(len(x))]).T / (2.0 * h)
         B = np.array([rate(x, tau + d) - rate(x, tau - d) for d in np.eye(3)]).T / 2.0
@@ -99,7 +98,7 @@ def test_linearize_against_differences(tmp_path: Path, stiffness: tuple[float, f
 def test_free_response_is_the_motion() -> None:
     """About a pose held by its motors the linear response differs from the motion by the square of the amplitude."""
     model = planar().model()
-    linear = analysis.linearize(model, POSE)
+    linear = fd.linearize(model, POSE)
     assert np.abs(linear.rate0).max() < 1e-10
     direction, errors = np.array([1.0, -1.0, 0.5, 1.0, 0.0, 0.0, 1.0, -1.0]), []
     for amplitude in (1e-3, 5e-4):
@@ -117,7 +116,7 @@ def test_the_response_to_a_torque_by_hand() -> None:
     arm = planar()
     H, K = matrices(arm)
     hertz = np.array([0.3, 2.0, 9.0])
-    found = analysis.frequency_response(arm.model(), hertz, x=POSE)
+    found = fd.frequency_response(arm.model(), hertz, x=POSE)
     for f, response in zip(hertz, found, strict=True):
         expected = np.linalg.inv(K - (2.0 * math.pi * f) ** 2 * H)
         np.testing.assert_allclose(response, expected[:, 2:], rtol=1e-6, atol=1e-9 * np.abs(expected).max())
@@ -129,13 +128,13 @@ def test_what_friction_holds_among_coupled_others(joint: str, side: str) -> None
     arm = planar(gravity=0.0)
     model = arm.model([{"effect": "coulomb_friction", "joint": joint, "side": side, "level": 5.0}])
     q, step = np.array([0.3, 0.8]), np.array([1e-5, 2e-5])
-    linear = analysis.linearize(model, q, stuck="held")
+    linear = fd.linearize(model, q, stuck="held")
     assert linear.held == (f"{'q' if side == 'link' else 'theta'}.{joint}",)
     run = fd.simulate(model, step, 0.3, EXACT, rate=100, q0=q, theta0=q)
     size = len(linear.A)
     A = np.block([[linear.A, linear.B @ step[:, None]], [np.zeros((1, size + 1))]])
     moved = np.array([(expm(A * t) @ np.eye(size + 1)[-1])[:size] for t in run.t])
-    column = {name: i for i, name in enumerate(analysis.linearize(model, q).state_names)}
+    column = {name: i for i, name in enumerate(fd.linearize(model, q).state_names)}
     kept = [column[name] for name in linear.state_names]
     expected = state(run)[:, kept] - np.concatenate([q, q, np.zeros(4)])[kept]
     np.testing.assert_allclose(moved, expected, atol=1e-5 * np.abs(expected).max())

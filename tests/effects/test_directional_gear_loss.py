@@ -47,7 +47,7 @@ def test_the_range_of_torques_that_hold(q: float, driven: float) -> None:
         assert (held.theta == held.theta[0]).all()
         moved = loaded(loss, q, outside, duration=0.2)
         assert np.sign(moved.omega[-1, 0]) == outwards
-    lower, upper = fd.analysis.holding_torques(model_of(PENDULUM, [loss]), [q])
+    lower, upper = fd.holding_torques(model_of(PENDULUM, [loss]), [q])
     ends = sorted((1.2 * load, (1.0 - driven) * load))
     np.testing.assert_allclose([lower[0], upper[0]], ends, rtol=1e-9, atol=1e-9 * abs(load))
 

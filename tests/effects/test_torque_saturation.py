@@ -107,8 +107,8 @@ def test_what_holds_an_arm_is_asked_for_with_the_loss(tmp_path: Any) -> None:
     weight = Arm((math.inf,), (0.0,), (0.5,), gravity=1.0)
     needed = float(weight.bias([0.0], [0.0])[0])
     strong = model_of(weight, [TorqueSaturation("shoulder", scale=2.0 * needed)])
-    held = fd.analysis.holding_torques(strong, [0.0])
+    held = fd.holding_torques(strong, [0.0])
     assert held.upper == pytest.approx([2.0 * needed], rel=1e-8)
     weak = model_of(weight, [TorqueSaturation("shoulder", scale=0.9 * needed)])
     with pytest.raises(fd.InputError, match="too weak to hold"):
-        fd.analysis.holding_torques(weak, [0.0])
+        fd.holding_torques(weak, [0.0])

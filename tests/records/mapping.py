@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.records import ChannelMap, Recording
+from flexdyn.records import Recording
 from flexdyn.records.channelmap.apply import apply_map
+from flexdyn.records.channelmap.description import ChannelMap
 from flexdyn.records.table import Table
 
 

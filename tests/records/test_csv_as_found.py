@@ -14,7 +14,8 @@ import pytest
 import flexdyn as fd
 from flexdyn.cli import main
 from flexdyn.errors import InputError
-from flexdyn.records import ChannelMap, Recording, RecordingWarning, read_recording
+from flexdyn.records import Recording, RecordingWarning, read_recording
+from flexdyn.records.channelmap.description import ChannelMap
 from flexdyn.records.suggestion import columns_of_arrays, suggested_map
 
 T = np.array([0.0, 0.1, 0.2, 0.3])

@@ -16,7 +16,8 @@ from hypothesis.extra import numpy as hnp
 
 import flexdyn as fd
 from flexdyn.errors import InputError, MissingExtra
-from flexdyn.records import SIGNALS, Recording
+from flexdyn.records import Recording
+from flexdyn.records.units import SIGNALS
 
 T = np.array([0.0, 0.1, 0.2])
 DOUBLES = st.one_of(

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from flexdyn.errors import InputError
-from flexdyn.records import Recording, Smoother, derivatives
+from flexdyn.records import Recording
+from flexdyn.records.signals.derivatives import derivatives
 from flexdyn.records.signals.noise import estimate_noise
+from flexdyn.records.signals.smooth import Smoother
 from flexdyn.records.signals.width import best_smoother
 from tests.records.motions import acceleration, sines
 

@@ -13,7 +13,8 @@ from scipy.linalg import toeplitz
 from scipy.signal import lfilter
 
 from flexdyn.errors import InputError
-from flexdyn.records import Noise, Recording, estimate_noise
+from flexdyn.records import Recording
+from flexdyn.records.signals.noise import Noise, estimate_noise
 from flexdyn.records.signals.reading_noise import held_for, quantisation_step, reading_noise
 from tests.records.motions import MOTIONS, Array
 

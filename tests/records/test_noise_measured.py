@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexdyn.records import Recording, derivatives, estimate_noise
+from flexdyn.records import Recording
+from flexdyn.records.signals.derivatives import derivatives
+from flexdyn.records.signals.noise import estimate_noise
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
 needs_data = pytest.mark.skipif(not DATA.is_dir(), reason=f"no measured recordings in {DATA}")

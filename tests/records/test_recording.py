@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from flexdyn.errors import InputError
-from flexdyn.records import Recording, unit_of
+from flexdyn.records import Recording
+from flexdyn.records.units import unit_of
 
 T = np.array([0.0, 0.1, 0.25, 0.4])
 ONES = np.ones(4)

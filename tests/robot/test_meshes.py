@@ -10,7 +10,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from flexdyn.robot import MeshWarning, load_robot
+from flexdyn.robot import load_robot
+from flexdyn.robot.meshes import MeshWarning
 
 TRIANGLE = (
     "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"

@@ -11,7 +11,8 @@ import pinocchio as pin
 import pytest
 
 from flexdyn.errors import InputError
-from flexdyn.robot import Tree, load_robot, names, robot_names, shipped_dir
+from flexdyn.robot import Tree, load_robot, names, robot_names
+from flexdyn.robot.names import shipped_dir
 
 ASKED = [
     "panda",

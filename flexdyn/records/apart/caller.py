@@ -49,7 +49,7 @@ class _Server:
     def __init__(self, module: str) -> None:
         self.between = False
         # The code is the text above and the interpreter is this one: nothing from a file is executed.
-        self.process = subprocess.Popen(  # noqa: S603
+        self.process: Any = subprocess.Popen(  # noqa: S603
             [sys.executable, "-I", "-c", _START],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -58,11 +58,9 @@ class _Server:
             cwd="/",
             start_new_session=True,
         )
-        streams: Any = (self.process.stdin, self.process.stdout)
-        self._streams = streams
         _enlarge(self.process.stdout)
         self._say([module, str(_PACKAGE), [os.path.abspath(entry) for entry in sys.path]])
-        if received(self._streams[1])[0] != "ready":
+        if self._heard()[0] != "ready":
             raise Lost
 
     def table(self, path: Path, request: Request, on_disk: int) -> Table:
@@ -72,16 +70,15 @@ class _Server:
             InputError: the error that the reader reports.
             Lost: the process ended, or its answer is not valid.
         """
-        stream = self._streams[1]
         self.between = False
         limits = {"seconds": seconds_for(on_disk), "bytes": bytes_for(on_disk)}
         packed = pickle.dumps(replace(request, progress=None)).hex()
         self._say({"path": os.path.abspath(path), "request": packed, **limits})
-        kind, content = received(stream)
+        kind, content = self._heard()
         while kind == "progress":
             request.report(float(content))
-            kind, content = received(stream)
-        table = received_table(stream, content, on_disk) if kind == "table" else None
+            kind, content = self._heard()
+        table = received_table(self.process.stdout, content, on_disk) if kind == "table" else None
         self.between = True
         if table is not None:
             return table
@@ -89,26 +86,29 @@ class _Server:
 
     def end(self) -> int:
         """End the process and its child; return its exit code, which is its own if it had ended before."""
-        for stream in self._streams:
+        for stream in (self.process.stdin, self.process.stdout):
             with contextlib.suppress(OSError):  # the last message may not have reached it
                 stream.close()
         try:
-            return self.process.wait(0.5)
+            code = self.process.wait(0.5)
         except subprocess.TimeoutExpired:
             os.killpg(self.process.pid, signal.SIGKILL)
-            return self.process.wait()
+            code = self.process.wait()
+        return int(code)
 
     def forget(self) -> None:
         """Release it in a child of this process: it belongs to the parent."""
-        for stream in self._streams:
-            stream.close()
+        self.process.stdin.close()
+        self.process.stdout.close()
         self.process.returncode = 0
 
+    def _heard(self) -> tuple[str, Any]:
+        return received(self.process.stdout)
+
     def _say(self, content: Any) -> None:
-        stream = self._streams[0]
         try:
-            stream.write(json.dumps(content).encode() + b"\n")
-            stream.flush()
+            self.process.stdin.write(json.dumps(content).encode() + b"\n")
+            self.process.stdin.flush()
         except OSError:
             raise Lost from None
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from flexdyn.checks import Array
 from flexdyn.errors import InputError, did_you_mean
@@ -12,9 +11,6 @@ from flexdyn.records.channelmap.description import Channel, ChannelMap, column_n
 from flexdyn.records.channelmap.known_units import ELECTRICAL, SI, SLIDING, UNITS, Unit, plain_unit
 from flexdyn.records.table import Table
 from flexdyn.records.units import PRISMATIC, SIGNALS, UNITLESS, signal_unit, split_name
-
-if TYPE_CHECKING:
-    from flexdyn.records.channelmap.description import Channel
 
 
 @dataclass(frozen=True)
@@ -45,19 +41,23 @@ class Conversion:
         return values
 
 
-def conversion(channel: Channel, stated: str | None = None) -> Conversion:
+def conversion(channel: Channel, stated: str | None) -> Conversion:
     """The conversion of a channel's entry in a map: sign * (raw in SI) [/ or * gear ratio] + offset.
 
     Args:
         channel: the entry.
-        stated: unit of the column in the file, if any; the map may repeat it but not contradict it.
+        stated: unit of the column in the file; the map may repeat it but not contradict it. Empty: there is none;
+            None: it cannot be read.
 
     Returns:
         The conversion.
 
     Raises:
-        InputError: a unit that is unknown or does not fit the signal, or a missing number.
+        InputError: a unit that is unknown, cannot be read or does not fit the signal, or a missing number.
     """
+    if stated is None and channel.unit is None and channel.factor is None:
+        problem = "the file states the column's unit in a way that is not read"
+        raise InputError(problem, key=_key(channel, "unit"), value=channel.source, remedy="state it here")
     name = valid_unit(channel.unit, stated, _key(channel, "unit"))
     unit = _unit(channel, name)
     label = SI[unit.quantity] if unit.quantity else "" if channel.factor is not None else name
@@ -166,9 +166,9 @@ def conversions_of(channel_map: ChannelMap, stated: Mapping[str, str | None]) ->
         stated: units that the file states, by column.
 
     Raises:
-        InputError: as `conversion`, or an unreadable unit in the file.
+        InputError: as `conversion`.
     """
-    return [_conversion(channel, stated) for channel in channel_map.channels]
+    return [conversion(channel, stated.get(column_name(channel.source), "")) for channel in channel_map.channels]
 
 
 def stated_units(table: Table) -> dict[str, str | None]:
@@ -176,14 +176,6 @@ def stated_units(table: Table) -> dict[str, str | None]:
     units = table.meta.get("units", {})
     stated = {str(name): str(unit) for name, unit in units.items()} if isinstance(units, dict) else {}
     return {**stated, **table.units}
-
-
-def _conversion(channel: Channel, stated: Mapping[str, str | None]) -> Conversion:
-    unit = stated.get(column_name(channel.source), "")
-    if unit is None and channel.unit is None and channel.factor is None:
-        problem = "the file states the column's unit in a way that is not read"
-        raise InputError(problem, key=f"channels.{channel.name}.unit", value=channel.source, remedy="state it here")
-    return conversion(channel, unit or None)
 
 
 def units_of(channel_map: ChannelMap, conversions: Sequence[Conversion]) -> dict[str, str]:

@@ -11,7 +11,7 @@ from flexdyn.errors import InputError
 from flexdyn.io.yaml import check_keys
 from flexdyn.records.channelmap.description import TIME, TimeSource
 from flexdyn.records.channelmap.known_units import UNITS, plain_unit
-from flexdyn.records.request import Layout
+from flexdyn.records.request import CLOCKS, Layout
 
 POSITIVE = ("gear_ratio", "torque_constant", "counts_per_turn", "full_counts")
 """Numbers that must be positive, because a negative one would hide a reversed sign."""
@@ -112,7 +112,7 @@ def layout_of(entry: Any) -> Layout:
     given = {name: value for name, value in entry.items() if value is not None}
     for name in ("names_line", "first_line"):
         whole(f"source.{name}", given.get(name, 1), 1, problem="a line number from 1 is needed")
-    for name, choices in (("decimal", (".", ",")), ("clock", ("message", "bag")), ("merge", ("linear", "hold"))):
+    for name, choices in (("decimal", (".", ",")), ("clock", CLOCKS), ("merge", ("linear", "hold"))):
         as_choice(f"source.{name}", given.get(name, choices[0]), choices)
     if "encoding" in given:
         _check_encoding(given["encoding"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -46,8 +47,10 @@ class Stamps:
         """
         text = cell.strip()
         match = _STAMP.fullmatch(text)
+        if match is None and text.lower() != "nan":
+            raise ValueError(text)
         if match is None:
-            return float(text) if text.lower() == "nan" else _refuse(text)
+            return math.nan
         day = match["iso"] or f"{match['year']}-{match['month']}-{match['day']}"
         stamp = self._second(f"{day}T{match['clock']}", match["zone"] or "") * 10**9
         stamp += int((match["part"] or "0").ljust(9, "0"))
@@ -62,10 +65,6 @@ class Stamps:
             made = datetime.fromisoformat(whole + zone)
             self._known = {key: int((made if made.tzinfo else made.replace(tzinfo=UTC)).timestamp())}
         return self._known[key]
-
-
-def _refuse(text: str) -> float:
-    raise ValueError(text)
 
 
 NOTHING = r"(?:|NA|N/A|#N/A|null|NULL|None)"

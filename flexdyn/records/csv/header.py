@@ -14,7 +14,7 @@ from flexdyn.records.csv.dialect import NOTHING, Dialect, Stamps, is_stamp
 from flexdyn.records.csv.guess import dialect_of
 from flexdyn.records.csv.rows import Block, Header
 from flexdyn.records.request import Layout, Request
-from flexdyn.records.table import check_name, check_time_named
+from flexdyn.records.table import check_name, check_new, check_time_named
 from flexdyn.records.units import split_name
 
 
@@ -35,14 +35,13 @@ def header_of(blocks: Iterator[Block], request: Request) -> tuple[Header, Block]
     """
     layout = request.layout
     start = _found(blocks, layout) if layout.names_line is None and layout.first_line is None else _told(blocks, layout)
-    number, lines = start.samples
+    asked = request.columns
     try:
-        asked = request.columns
         header = _every(start, request) if asked is None else _as_asked(start, layout, asked)
     except InputError as error:
-        row = error.data.get("row", start.at or number)
+        row = error.data.get("row", start.at or start.samples[0])
         raise InputError(f"line {row}: {error.problem}", **{**error.data, "row": row}) from None
-    return header, (number, lines)
+    return header, start.samples
 
 
 def _found(blocks: Iterator[Block], layout: Layout) -> _Start:
@@ -94,8 +93,7 @@ def _every(start: _Start, request: Request) -> Header:
         key, unit = _channel(name, request)
         if key != "t" and not request.mapped:
             check_name(key)
-        if key in wanted:
-            raise InputError("the channel is there twice", remedy="rename or remove one", channel=key)
+        check_new(key, wanted)
         wanted[key] = column
         if unit:
             units[key] = unit
@@ -129,8 +127,8 @@ def _as_asked(start: _Start, layout: Layout, asked: frozenset[str | int]) -> Hea
     width = len(dialect.split(row))
     names = tuple(dialect.split(start.text)) if start.at else ()
     wanted = {column_name(one): _column(one, names, width) for one in sorted(asked, key=str)}
-    units = {key: split_unit(names[column])[1] for key, column in wanted.items() if column < len(names)}
-    units = {key: unit for key, unit in units.items() if unit}
+    stated = {key: split_unit(names[column])[1] for key, column in wanted.items() if column < len(names)}
+    units = {key: unit for key, unit in stated.items() if unit}
     told = layout.decimal is not None
     return _with_stamps(Header(dialect, width, names, wanted, start.samples[0], units, told), start)
 

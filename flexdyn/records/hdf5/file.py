@@ -23,7 +23,7 @@ from flexdyn.records.hdf5.library import library, new_file
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.recording import Recording
 from flexdyn.records.request import Request
-from flexdyn.records.table import RESERVED, Table, check_name, damage_named
+from flexdyn.records.table import RESERVED, Table, check_name, check_new, damage_named
 from flexdyn.records.units import SIGNALS
 
 _LARGEST_CHUNK = 2**30
@@ -115,8 +115,7 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
         for name, dataset in found:
             if name not in ("t", RESERVED):
                 check_name(name)
-            if name in seen:
-                raise InputError("the channel is there twice", remedy="rename or remove one", channel=name)
+            check_new(name, seen)
             if not isinstance(dataset, h5py.Dataset):
                 raise InputError("the channel is no dataset", remedy="groups nest one deep", channel=name)
             seen.add(name)

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.errors import InputError, did_you_mean, listed
+from flexdyn.records.array_columns import RequestedColumn
 from flexdyn.records.meta import from_json
 from flexdyn.records.request import Request
 from flexdyn.records.suggestion import columns_of_arrays, suggested_map
@@ -60,7 +61,7 @@ class LeafColumns:
 
     def __init__(self, request: Request) -> None:
         self._table = Table(rows=Rows(first=1))
-        self._asked = None if request.columns is None else _by_path(request.columns)
+        self._asked = None if request.columns is None else _parts(request.columns)
         self._mapped = request.mapped
         self._seen: list[str] = []
         self._misfit: InputError | None = None
@@ -69,7 +70,7 @@ class LeafColumns:
 
     def variables(self) -> list[str] | None:
         """Names of the requested variables and of those with a requested field; None: all."""
-        return None if self._asked is None else [path.split(".")[0] for path in self._asked]
+        return None if self._asked is None else [part.array.split(".")[0] for part in self._asked]
 
     def wants(self, variable: str) -> bool:
         """Whether a variable is requested or contains a requested one; names of others are remembered."""
@@ -103,20 +104,19 @@ class LeafColumns:
             if not self._mapped:
                 self._check_convention()
             return _as_written(table, self._text) if self._text else table
-        for wanted in self._asked.values():
-            for key, _ in wanted:
-                if key not in table.columns:
-                    names = [seen.split(" (")[0] for seen in self._seen]
-                    raise InputError("no such column", remedy=did_you_mean(key, names), channel=key)
+        for part in self._asked:
+            if part.key not in table.columns:
+                names = [seen.split(" (")[0] for seen in self._seen]
+                raise InputError("no such column", remedy=did_you_mean(part.key, names), channel=part.key)
         return table
 
     def _check_convention(self) -> None:
         table = self._table
         if "t" not in table.columns:
-            there = ", ".join(self._seen[:MOST_SHOWN]) + (", ..." if len(self._seen) > MOST_SHOWN else "")
             suggested = suggested_map(columns_of_arrays(self._shapes))
             told = f"what the columns are (--map), such as {suggested}" if suggested else "where it is"
-            remedy = f"name the column of time [s] t, or say in a channel map {told}; there are {there or 'none'}"
+            there = listed(self._seen, MOST_SHOWN) or "none"
+            remedy = f"name the column of time [s] t, or say in a channel map {told}; there are {there}"
             raise InputError("no column t", remedy=remedy, channel="t")
         if self._misfit is not None:
             raise self._misfit
@@ -135,48 +135,46 @@ class LeafColumns:
             return
         self._add(leaf.name, leaf.values().reshape(-1))
 
-    def _take_asked(self, leaf: Leaf, asked: dict[str, list[tuple[str, str]]]) -> None:
-        for path, wanted in asked.items():
-            if leaf.kind != "numbers" and (path == leaf.name or path.startswith(f"{leaf.name}.")):
-                key = wanted[0][0]
+    def _take_asked(self, leaf: Leaf, asked: list[RequestedColumn]) -> None:
+        for part in asked:
+            if leaf.kind != "numbers" and f"{part.array}.".startswith(f"{leaf.name}."):
                 remedy = "in MATLAB, save plain arrays of doubles"
-                raise InputError(f"{leaf.name} is {leaf.kind}, not numbers", remedy=remedy, channel=key)
-        if leaf.name in asked:
+                raise InputError(f"{leaf.name} is {leaf.kind}, not numbers", remedy=remedy, channel=part.key)
+        if wanted := [part for part in asked if part.array == leaf.name]:
             values = leaf.values()
-            for key, index in asked[leaf.name]:
-                self._add(key, _part(leaf, values, key, index))
+            for part in wanted:
+                self._add(part.key, _column(leaf, values, part))
 
     def _add(self, key: str, values: npt.NDArray[Any]) -> None:
         # A copy, so that the variable's memory can be released.
         self._table.add(key, as_floats(values, key, copy=True))
 
 
-def _by_path(columns: frozenset[str | int]) -> dict[str, list[tuple[str, str]]]:
-    """Path of a leaf -> requested keys, each with its index: "", "3,:" or ":,3"."""
-    asked: dict[str, list[tuple[str, str]]] = {}
+def _parts(columns: frozenset[str | int]) -> list[RequestedColumn]:
+    """The requested columns: q, q(3,:) or q(:,3)."""
+    asked = []
     for key in sorted(columns, key=str):
         match = _COLUMN.fullmatch(key) if isinstance(key, str) else None
         if match is None or (match["row"] and (match["row"] == ":") == (match["column"] == ":")):
             remedy = "write it as MATLAB does: t, q.elbow, q(1,:) or q(:,1)"
             raise InputError("not the name of a column in a MAT file", remedy=remedy, channel=str(key))
-        index = f"{match['row']},{match['column']}" if match["row"] else ""
-        asked.setdefault(match["path"].strip(), []).append((str(key), index))
+        axis = None if not match["row"] else 1 if match["row"] == ":" else 0
+        index = 0 if axis is None else int(match["column"] if axis else match["row"]) - 1
+        asked.append(RequestedColumn(str(key), match["path"].strip(), axis, index))
     return asked
 
 
-def _part(leaf: Leaf, values: npt.NDArray[Any], key: str, index: str) -> npt.NDArray[Any]:
+def _column(leaf: Leaf, values: npt.NDArray[Any], part: RequestedColumn) -> npt.NDArray[Any]:
     """A vector, or the requested row or column."""
-    if not index:
+    if part.axis is None:
         if max(leaf.shape, default=0) != values.size:
             remedy = f"take a row or column, such as {leaf.name}(1,:) or {leaf.name}(:,1)"
-            raise InputError(f"an array, not a column: {leaf}", remedy=remedy, channel=key)
+            raise InputError(f"an array, not a column: {leaf}", remedy=remedy, channel=part.key)
         return values.reshape(-1)
-    row, column = index.split(",")
-    number, axis = (int(column), 1) if row == ":" else (int(row), 0)
-    if values.ndim != 2 or not 1 <= number <= values.shape[axis]:
-        raise InputError("no such row or column", remedy=f"it is {leaf}; rows and columns count from 1", channel=key)
-    part: npt.NDArray[Any] = np.take(values, number - 1, axis)
-    return part
+    if values.ndim != 2 or not 0 <= part.index < values.shape[part.axis]:
+        remedy = f"it is {leaf}; rows and columns count from 1"
+        raise InputError("no such row or column", remedy=remedy, channel=part.key)
+    return part.of(values)
 
 
 def _as_written(table: Table, text: str) -> Table:

@@ -12,6 +12,8 @@ import re
 from pathlib import Path
 from typing import Any
 
+from flexdyn.errors import check_installed
+from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.matlab import v5, v73
 from flexdyn.records.matlab.columns import KEY
 from flexdyn.records.meta import as_plain
@@ -55,19 +57,21 @@ def write(rec: Recording, path: Path) -> None:
 
 
 def read(path: Path, request: Request) -> Table:
-    """Read the requested columns; without a map, all vectors of numbers, which are the channels.
+    """Read the requested columns in another process; without a map, all vectors of numbers, which are the channels.
 
     Rows count from 1, as in MATLAB.
 
     Raises:
-        InputError: not a MAT-file, truncated, an unknown column, or one without numbers.
+        InputError: not a MAT-file, truncated, an unknown column, or one without numbers; the file crashes the library
+            that reads it, or takes too long or too much memory.
         MissingExtra: version 7.3 needs h5py.
     """
     with open(path, "rb") as stream:
         head = stream.read(1024)
-    if _HDF5 in (head[:8], head[512:520]):
-        return v73.read(path, request)
-    return v5.read(path, request)
+    if _HDF5 not in (head[:8], head[512:520]):
+        return read_apart(v5.__name__, path, request)
+    check_installed("h5py", "hdf5")
+    return read_apart(v73.__name__, path, request)
 
 
 def _places(names: list[str]) -> dict[str, str]:

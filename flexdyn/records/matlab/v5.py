@@ -1,7 +1,7 @@
-"""MATLAB's MAT-file version 5 (``save -v6`` and ``-v7``), read by SciPy in another process.
+"""MATLAB's MAT-file version 5 (``save -v6`` and ``-v7``), read by SciPy.
 
-SciPy recurses in C as deep as a file says and takes types from it without a check, so that a small hostile file can
-crash it: see `flexdyn.records.apart`.
+SciPy recurses in C as deep as a file says and takes types from it without a check. A small hostile file can crash it:
+`read_here` is called in another process, see `flexdyn.records.apart`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from flexdyn.errors import InputError
-from flexdyn.records.apart.caller import read_apart
 from flexdyn.records.bounds import check_size
 from flexdyn.records.matlab.columns import MOST_STRUCTS, Leaf, LeafColumns
 from flexdyn.records.request import Request
@@ -33,15 +32,6 @@ def library() -> Any:
     import scipy.io
 
     return scipy.io
-
-
-def read(path: Path, request: Request) -> Table:
-    """Call `read_here` in another process.
-
-    Raises:
-        InputError: as `read_here`; the file crashes SciPy, or takes too long or too much memory.
-    """
-    return read_apart(__name__, path, request)
 
 
 def read_here(path: Path, request: Request) -> Table:

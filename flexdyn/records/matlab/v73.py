@@ -1,6 +1,7 @@
 """MATLAB's MAT-file version 7.3: HDF5 behind 512 bytes, arrays transposed, structs as groups.
 
 References are not followed and nothing outside the file is opened: cell arrays and struct arrays are not read.
+`read_here` is called in another process, as for HDF5 files.
 """
 
 from __future__ import annotations
@@ -13,8 +14,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.checks import Array
-from flexdyn.errors import InputError, check_installed
-from flexdyn.records.apart.caller import read_apart
+from flexdyn.errors import InputError
 from flexdyn.records.bounds import MOST_COLUMNS, check_size
 from flexdyn.records.hdf5.file import attribute, check_storage, member
 from flexdyn.records.hdf5.library import library, new_file
@@ -54,17 +54,6 @@ def write(variables: dict[str, Any], path: Path) -> None:
 def _write_column(group: Any, name: str, values: Array) -> None:
     dataset = group.create_dataset(name, data=values.reshape(1, -1))
     dataset.attrs["MATLAB_class"] = np.bytes_("double")
-
-
-def read(path: Path, request: Request) -> Table:
-    """Call `read_here` in another process, as for HDF5 files.
-
-    Raises:
-        InputError: as `read_here`; the file crashes HDF5, or takes too long or too much memory.
-        MissingExtra: h5py is not installed.
-    """
-    check_installed("h5py", "hdf5")
-    return read_apart(__name__, path, request)
 
 
 def read_here(path: Path, request: Request) -> Table:

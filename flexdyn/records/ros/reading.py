@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from flexdyn.checks import check_known
 from flexdyn.errors import InputError
 from flexdyn.records.meta import from_json
-from flexdyn.records.request import Request
+from flexdyn.records.request import CLOCKS, Request
 from flexdyn.records.ros.bag import Bag, Topic, opened
 from flexdyn.records.ros.clock import YEAR, seconds
 from flexdyn.records.ros.columns import CONVENTIONAL, is_own
@@ -24,14 +25,11 @@ META_TOPIC = "/flexdyn/meta"
 """Topic for data without a place in ROS: order of channels, zero of time, meta; one text."""
 
 _STRING = "std_msgs/msg/String"
-_CLOCKS = ("message", "bag")
 
 
 def read(path: Path, request: Request) -> Table:
     """Read the requested topics; see the package's docstring."""
-    if request.layout.clock not in _CLOCKS:
-        remedy = near(request.layout.clock, _CLOCKS)
-        raise InputError("no such clock", key="source.clock", value=request.layout.clock, remedy=remedy)
+    check_known(request.layout.clock, CLOCKS, "no such clock", key="source.clock", value=request.layout.clock)
     with opened(path) as bag:
         own = _own(bag, request)
         every = [Series(bag, topic, pick, request.layout.clock) for topic, pick in _choice(bag, request, own)]
@@ -49,7 +47,7 @@ def read(path: Path, request: Request) -> Table:
     for name in own["channels"] if own else columns:
         if name not in columns:
             raise InputError("the channel is announced and not there", key=name, remedy="copy the whole bag")
-        if request.columns is None or not own or request.wants(name):
+        if not own or request.wants(name):
             table.add(name, columns[name])
     if own:
         table.meta = own["meta"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from flexdyn import errors
 from flexdyn.errors import InputError, did_you_mean
 
 LONGEST_ROS_NAME = 300
@@ -26,8 +27,7 @@ def check_word(name: str, what: str) -> None:
 
 def listed(names: Iterable[str]) -> str:
     """The first of some names, each cut to a length that fits into a line."""
-    every = list(names)
-    return ", ".join(name[:_SHOWN] for name in every[:_LISTED]) + (", ..." if len(every) > _LISTED else "")
+    return errors.listed((name[:_SHOWN] for name in names), _LISTED)
 
 
 def near(word: str, known: Iterable[str]) -> str:

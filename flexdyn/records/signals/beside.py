@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
-from flexdyn.checks import Array
+from flexdyn.checks import Array, check_known
 from flexdyn.errors import InputError
 from flexdyn.records.meta import as_plain
-from flexdyn.records.signals.gaps import in_gaps, to_nearest
+from flexdyn.records.signals.gaps import in_gaps, rows_held, to_nearest
 from flexdyn.records.table import Table
 
 if TYPE_CHECKING:
@@ -38,12 +37,13 @@ def beside(first: Recording, others: Sequence[Recording], method: str = "linear"
     Raises:
         InputError: no such method, a channel that two of them have, or no two times in common.
     """
-    if method not in METHODS:
-        raise InputError("no such method", key="method", value=method, remedy="known: " + ", ".join(METHODS))
+    remedy = f"known: {', '.join(METHODS)}"
+    check_known(method, METHODS, "no such method", key="method", value=method, remedy=remedy)
     columns: dict[str, Array] = {"t": first.t, **first.channels}
     meta = as_plain(first.meta)
     units, notes = dict(meta.get("units", {})), list(meta.get("notes", ()))
     kept = np.ones(len(first), bool)
+    taken = np.interp if method == "linear" else _held
     for other in others:
         for name in other.channels:
             if name in columns:
@@ -51,7 +51,7 @@ def beside(first: Recording, others: Sequence[Recording], method: str = "linear"
                 raise InputError(problem, key=name, remedy=f"{remedy}, by a channel map", channel=name)
         t, clock = _on_the_clock_of(first, other)
         kept &= (first.t >= t[0]) & (first.t <= t[-1]) & ~in_gaps(t, first.t)
-        columns |= {name: _at(first.t, t, values, method) for name, values in other.channels.items()}
+        columns |= {name: taken(first.t, t, values) for name, values in other.channels.items()}
         units |= as_plain(other.meta).get("units", {})
         notes += [*as_plain(other.meta).get("notes", ()), _said(first, other, t, method, clock)]
     if kept.sum() < 2:
@@ -75,12 +75,8 @@ def _on_the_clock_of(first: Recording, other: Recording) -> tuple[Array, str]:
     return other.t, "both clocks are assumed to agree"
 
 
-def _at(times: Array, t: Array, values: Array, method: str) -> Array:
-    if method == "linear":
-        return np.asarray(np.interp(times, t, values))
-    slack = 1e-3 * float(np.median(np.diff(t)))  # stamps are rounded
-    row: npt.NDArray[np.intp] = np.clip(np.searchsorted(t, times + slack, "right") - 1, 0, None)
-    return np.asarray(values[row])
+def _held(times: Array, t: Array, values: Array) -> Array:
+    return np.asarray(values[rows_held(t, times)])
 
 
 def _said(first: Recording, other: Recording, t: Array, method: str, clock: str) -> str:

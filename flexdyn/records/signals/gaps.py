@@ -20,6 +20,7 @@ GAP_PERIODS = 10.0
 SHORTEST_PIECE = 1.0
 """Shortest piece between gaps that is used in a diagnosis [s]."""
 GAPS_LISTED = 3
+_SAME = 1e-3
 
 
 @np.errstate(over="ignore", invalid="ignore")  # times near the largest double
@@ -67,6 +68,12 @@ def to_nearest(t: npt.NDArray[Any], times: npt.NDArray[Any]) -> npt.NDArray[Any]
     """The distance of each time to the nearest of `t`."""
     right = np.clip(np.searchsorted(t, times), 1, len(t) - 1)
     return np.asarray(np.minimum(np.abs(times - t[right - 1]), np.abs(times - t[right])))
+
+
+def rows_held(t: Array, times: Array) -> npt.NDArray[np.intp]:
+    """The last row of `t` at or before each time; stamps are rounded, so up to a thousandth of a period after it."""
+    slack = _SAME * float(np.median(np.diff(t)))
+    return np.asarray(np.clip(np.searchsorted(t, times + slack, "right") - 1, 0, None))
 
 
 def apart_at_gaps(recordings: Iterable[Recording]) -> tuple[Recording, ...]:

@@ -6,12 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array, Flags, Indices
 from flexdyn.records.signals.reading_noise import GAUSS
-
-Mask = npt.NDArray[np.bool_]
 
 SEGMENT_LENGTHS = (256, 128, 64, 32, 16)
 _FEWEST_SEGMENTS = 24
@@ -73,7 +70,7 @@ def contrasts(t: Array, x: Array, order: int) -> Array:
     return np.asarray(total / np.sqrt(np.sum(weights**2, axis=0)))
 
 
-def clipped(values: Array, moves: Mask) -> tuple[float, Mask]:
+def clipped(values: Array, moves: Flags) -> tuple[float, Flags]:
     """Standard deviation of the bulk, and a mask of the values that belong to it.
 
     Kinks of the motion (reversals, breakaway, shocks) and spikes differ from the bulk by more than 4 of its standard
@@ -99,7 +96,7 @@ def clipped(values: Array, moves: Mask) -> tuple[float, Mask]:
     return std, good
 
 
-def spectrum(values: Array, good: Mask, order: int) -> Spectrum | None:
+def spectrum(values: Array, good: Flags, order: int) -> Spectrum | None:
     """Noise spectrum from the contrasts of that order, over segments in which nothing was left out.
 
     Windows suppress leakage by 92 dB; the mean power of the segments (Welch
@@ -150,7 +147,7 @@ def _of_white_noise(window: Array, order: int) -> Array:
     return np.asarray(np.cos(phase) @ (twice * weights * both[: order + 1]))
 
 
-def _segments(good: Mask, length: int) -> npt.NDArray[np.intp]:
+def _segments(good: Flags, length: int) -> Indices:
     """Starts of half-overlapping segments without masked values."""
     starts = np.arange(0, len(good) - length + 1, length // 2)
     total = np.concatenate([[0], np.cumsum(good)])

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import Array, number
+from flexdyn.checks import Array, check_known, number
 from flexdyn.errors import InputError
 from flexdyn.records.signals.cut import made
-from flexdyn.records.signals.gaps import gap_limit
+from flexdyn.records.signals.gaps import gap_limit, rows_held
 from flexdyn.records.signals.smooth import Smoother, sample_rate
 from flexdyn.records.units import is_held, split_name
 
@@ -22,7 +22,6 @@ METHODS = ("spline", "hermite", "linear")
 
 _SMOOTH = ("q", "v", "theta", "omega", "tau_s")
 _RATES = {"q": "v", "theta": "omega"}
-_SAME = 1e-3
 _PASSED = 0.4
 
 
@@ -59,8 +58,7 @@ def resampled(
     Raises:
         InputError: a longer gap (row and remedy), times outside the recording, or contradictory arguments.
     """
-    if method not in METHODS:
-        raise InputError("no such method", key="method", value=method, remedy="known: " + ", ".join(METHODS))
+    check_known(method, METHODS, "no such method", key="method", value=method)
     if (rate is None) == (times is None):
         raise InputError("one time base is needed", key="rate", remedy="give either rate=Hz or times=[seconds]")
     _check_gaps(rec, longest_gap)
@@ -73,7 +71,7 @@ def resampled(
 def _column(rec: Recording, name: str, times: Array, method: str) -> Array:
     """One channel at new times; old times keep their samples bit for bit."""
     if is_held(name):
-        return rec[name][_row_held(rec.t, times)]
+        return rec[name][rows_held(rec.t, times)]
     signal, joint = split_name(name) or ("", "")
     row = np.clip(np.searchsorted(rec.t, times, "right") - 1, 0, None)
     rates = f"{_RATES.get(signal)}.{joint}"
@@ -88,12 +86,6 @@ def _column(rec: Recording, name: str, times: Array, method: str) -> Array:
 
         out = CubicSpline(rec.t, rec[name])(times)
     return np.where(rec.t[row] == times, rec[name][row], out)
-
-
-def _row_held(t: Array, times: Array) -> npt.NDArray[np.intp]:
-    """Last sample at or before each time, within a thousandth of a period."""
-    slack = _SAME * float(np.median(np.diff(t)))
-    return np.asarray(np.clip(np.searchsorted(t, times + slack, "right") - 1, 0, None))
 
 
 def _filtered(rec: Recording, wanted: Array, method: str) -> Recording:

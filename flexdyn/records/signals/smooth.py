@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import Array, as_number, number, whole
+from flexdyn.checks import Array, as_number, check_known, number, whole
 from flexdyn.errors import InputError
 from flexdyn.records.signals.kernels import DIFFERENCE_REACH, Kernels, correlated, kernels
 
-ORDERS = ("value", "first", "second", "held")
+ORDERS: Mapping[str, int] = {"value": 0, "first": 1, "second": 2, "held": 0}
+"""Outputs of a smoother, and how often each is differentiated."""
+
 _LONG_KERNEL = 300
 _WIDEST = 100_001
 _FINE = 4096
@@ -135,22 +138,22 @@ class Smoother:
 
     def value(self, x: npt.ArrayLike) -> Array:
         """Smoothed samples at `valid`, for signals that are sampled (q, v, tau_s)."""
-        return self._applied(x, self._kernels.value, 0)
+        return self._applied(x, "value")
 
     def first(self, x: npt.ArrayLike) -> Array:
         """Smoothed first derivative at `valid` [unit of x per second]; exactly 0 for a constant."""
-        return self._applied(x, self._kernels.first, 1)
+        return self._applied(x, "first")
 
     def second(self, x: npt.ArrayLike) -> Array:
         """Smoothed second derivative at `valid` [unit of x per second squared]; exactly 0 for a constant."""
-        return self._applied(x, self._kernels.second, 2)
+        return self._applied(x, "second")
 
     def held(self, x: npt.ArrayLike) -> Array:
         """Smoothed samples at `valid` of a signal that is held from each sample to the next (tau, tau_applied).
 
         If the acceleration of x is a held u, then ``second(x) == held(u)``, up to rounding.
         """
-        return self._applied(x, self._kernels.held, 0)
+        return self._applied(x, "held")
 
     def noise_std(self, order: str, autocovariance: npt.ArrayLike) -> float:
         """Standard deviation of an output if the input is stationary noise with any autocovariance.
@@ -160,25 +163,20 @@ class Smoother:
             autocovariance: of the input at lags 0, 1, 2, ... samples; zero beyond those given: [1.0] is white noise of
                 standard deviation 1.
         """
-        kernel, scale = self._weights(order)
+        check_known(order, ORDERS, "no such output", key="order", value=order)
+        kernel: Array = getattr(self._kernels, order)
         given = np.asarray(autocovariance, float)[: len(kernel)]
         both = np.correlate(kernel, kernel, "full")[len(kernel) - 1 :][: len(given)]
         variance = 2 * float(given @ both) - float(given[0] * both[0])
-        return math.sqrt(max(0.0, variance)) * scale
+        return math.sqrt(max(0.0, variance)) * float(self.rate) ** ORDERS[order]
 
     @property
     def _kernels(self) -> Kernels:
         return kernels(int(self.width) // 2, int(self.degree), int(self.taper))
 
-    def _weights(self, order: str) -> tuple[Array, float]:
-        if order not in ORDERS:
-            raise InputError("no such output", key="order", value=order, remedy="known: " + ", ".join(ORDERS))
-        power = {"first": 1, "second": 2}.get(order, 0)
-        return getattr(self._kernels, order), float(self.rate) ** power
-
-    def _applied(self, x: npt.ArrayLike, kernel: Array, power: int) -> Array:
-        """Correlate columns with the kernel; the first sample is subtracted, so that constants are exact."""
-        samples = np.asarray(x, float)
+    def _applied(self, x: npt.ArrayLike, order: str) -> Array:
+        """Correlate columns with a kernel; the first sample is subtracted, so that constants are exact."""
+        kernel, power, samples = getattr(self._kernels, order), ORDERS[order], np.asarray(x, float)
         self._check(samples)
         start = samples[:1]
         moved = samples - start

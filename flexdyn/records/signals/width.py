@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import Array
+from flexdyn.checks import Array, check_known
 from flexdyn.errors import InputError
 from flexdyn.records.signals.kernels import DIFFERENCE_REACH, kernels
 from flexdyn.records.signals.noise import Noise
@@ -39,8 +39,7 @@ def best_smoother(x: npt.ArrayLike, rate: float, noise: Noise, *, order: str = "
     Raises:
         InputError: too few samples.
     """
-    if order not in ORDERS:
-        raise InputError("no such output", key="order", value=order, remedy="known: " + ", ".join(ORDERS))
+    check_known(order, ORDERS, "no such output", key="order", value=order)
     samples = np.asarray(x, float)
     narrowest = Smoother(NARROWEST_WIDTH, rate)
     length = min(_LONGEST_SEGMENT, 2 ** int(np.log2(max(1, len(samples) // 3))))
@@ -49,7 +48,7 @@ def best_smoother(x: npt.ArrayLike, rate: float, noise: Noise, *, order: str = "
         raise InputError(problem, key="x", remedy=remedy)
     motion, noisy = _spectra(samples, noise, length)
     w = 2 * np.pi * np.arange(length // 2 + 1) / length
-    weight = w ** (2 * {"first": 1, "second": 2}.get(order, 0))
+    weight = w ** (2 * ORDERS[order])
     best, least = narrowest, np.inf
     width = float(narrowest.width)
     while width + 2 * DIFFERENCE_REACH <= length // 2:
