@@ -210,7 +210,7 @@ def _plan(name: str) -> Experiment:
     command = PD(reference, kp=100.0, kd=10.0)
     assert arm.n == 2
     names, labels = (name, "presliding friction"), ("q [rad]", "left [N m]")
-    return Experiment("sweep", 20.0, 4, 0.0, 100.0, command, names, t, np.sin(t), 0.1 * np.cos(t), 0.01 + 0 * t, labels)
+    return Experiment("sweep", 20.0, 4, 0.0, 100.0, command, names, t, np.sin(t), 0.1 * np.cos(t), labels)
 
 
 def test_the_page_in_print(tmp_path: Path) -> None:

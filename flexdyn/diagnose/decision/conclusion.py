@@ -77,7 +77,7 @@ def concluded(
     say("designing experiments", 0.75)
     return dataclasses.replace(
         answer,
-        findings=with_experiments(answer.findings, found, named, compared.noise),
+        findings=with_experiments(answer.findings, found, named),
         verdict=said,
         gap_fit=first.gap,
         gap_test=last.gap,

@@ -12,7 +12,6 @@ from flexdyn.diagnose.decision.corrected import Corrected, effect_of, needed
 from flexdyn.diagnose.decision.gains import in_order
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.suspects import numbers_of, suspect_of
-from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.experiment.design import with_experiment
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
@@ -148,16 +147,13 @@ def _experiment(suspect: Suspect, others: Sequence[Suspect], *, on_a_rig: bool) 
     )
 
 
-def with_experiments(
-    findings: Sequence[Finding], found: Corrected, named: Sequence[Name], noise: SampleNoise
-) -> tuple[Finding, ...]:
+def with_experiments(findings: Sequence[Finding], found: Corrected, named: Sequence[Name]) -> tuple[Finding, ...]:
     """Findings with rivals, each with the motion that separates them in simulation.
 
     Args:
         findings: those that are reported.
         found: the corrected model.
         named: what the findings are of, in any order.
-        noise: of the channels.
     """
     if found.space.library.equations.data[0].forced.any():  # motions of an arm by its own motors are no test of a rig
         return tuple(findings)
@@ -165,9 +161,9 @@ def with_experiments(
     names = {suspect_of(model, found.candidates[each.candidate]).key: each for each in named}
     made = []
     for finding in findings:
-        fits = _rivals(found, names[finding.suspect.key]) if finding.rivals else []
-        whole = len(fits) == len(finding.rivals)
-        made.append(with_experiment(finding, found.fitted, fits, found.fitted.space, noise) if whole else finding)
+        fits = _rivals(found, names[finding.suspect.key])
+        whole = fits and len(fits) == len(finding.rivals)
+        made.append(with_experiment(finding, found.fitted, fits) if whole else finding)
     return tuple(made)
 
 

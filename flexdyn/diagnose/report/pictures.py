@@ -45,13 +45,11 @@ def _limit(trace: ResidualTrace) -> float | None:
 
 
 def experiment_figure(plan: Experiment) -> dict[str, Any]:
-    """The motion above, what the rival would leave of it below, with noise."""
-    band = 2.0 * plan.noise
-    t, edges = np.concatenate([plan.t, plan.t[::-1]]), np.concatenate([band, -band[::-1]])
-    there = np.isfinite(edges)
+    """The motion above, what the rival would leave of it below, with two standard deviations of noise."""
+    t, edges = plan.t[[0, -1, -1, 0]], np.array([2.0, 2.0, -2.0, -2.0])
     curves = [
         curve(plan.t, plan.position, "motion", "ink"),
-        curve(t[there], edges[there], "noise", "before", "band", BELOW),
+        curve(t, edges, "noise", "before", "band", BELOW),
         curve(plan.t, plan.left, "left", "after", below=BELOW),
     ]
     return figure("plan", curves, "t [s]", *plan.labels)
