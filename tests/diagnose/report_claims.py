@@ -88,6 +88,5 @@ CONSTANT = (
     r"Fit: numbers are estimated and structures are compared.*?errors per joint\.",
     r"Beside this page: .*?report\.json, the same for programs\.",
     r"Why an effect was named, or was not: flexdyn diagnose \.\.\. --explain EFFECT@JOINT\.",
-    r"^The law of .+ with the numbers found\.$",
 )
 """Explanations, which say the same on every page."""

@@ -86,13 +86,11 @@ def test_an_interruption_is_said_first_and_large(made: Callable[[], Diagnosis], 
 
 
 def test_the_page_tells_what_was_found_and_why(tmp_path: Path) -> None:
-    """Numbers with their intervals and units, evidence, rivals, the experiment, laws as pictures, everything else."""
+    """Numbers with their intervals and units, evidence, rivals, the experiment, everything else."""
     cases.explained().save(tmp_path)
     with open_page(tmp_path / "report.html") as page:
         page.tab.evaluate("document.querySelectorAll('details').forEach(fold => { fold.open = true; })")
         told = page.tab.locator("main").inner_text()
-        page.wait_for("[...document.querySelectorAll('article img')].every(each => each.naturalWidth > 0)")
-        widths = page.tab.evaluate("() => [...document.querySelectorAll('article img')].map(each => each.naturalWidth)")
     for text in (
         "1.102 to 1.298 N m",
         "0.0232 to 0.0388 rad/s",
@@ -116,8 +114,6 @@ def test_the_page_tells_what_was_found_and_why(tmp_path: Path) -> None:
     ):
         assert text in told, text
     assert "1. Stribeck friction or presliding friction" in told
-    assert len(widths) == 2, "Stribeck friction and the offset have laws, a payload and a factor have none"
-    assert min(widths) > 100
 
 
 def test_much_is_folded_away_and_drawn_when_it_is_opened(tmp_path: Path) -> None:

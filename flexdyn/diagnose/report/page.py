@@ -6,13 +6,11 @@ import base64
 import json
 import math
 import zlib
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from flexdyn.diagnose.report import calibrated, digits, motions, sentences, shown, suspects, words
 from flexdyn.diagnose.report.document import CONSIDERED
-from flexdyn.diagnose.report.law import law_picture
 from flexdyn.diagnose.report.motions import motion_figures
 from flexdyn.diagnose.report.pictures import experiment_figure, force_figure, residual_figure
 from flexdyn.diagnose.report.result import Diagnosis
@@ -55,12 +53,11 @@ def page(diagnosis: Diagnosis) -> str:
     policy names.
 
     Raises:
-        MissingExtra: matplotlib or plotly is not installed.
+        MissingExtra: plotly is not installed.
     """
     with needed("plotly", "plot"):
         from plotly.offline import get_plotlyjs
     figures = _figures(diagnosis)
-    laws = [law_picture(finding.suspect, diagnosis.model) for finding in diagnosis.findings]
     # The script unpacks the library and runs it as an element of its own.
     library = get_plotlyjs() if figures else ""
     script = "".join(Path(__file__).with_name(f"{name}.js").read_text("utf-8") for name in ("looks", "page"))
@@ -70,9 +67,9 @@ def page(diagnosis: Diagnosis) -> str:
         f"{kind} of {diagnosis.model.name}",
         scripts=(library, script),
         parts=PARTS,
-        figures=_packed(json.dumps({"figures": figures, "laws": laws}, allow_nan=False)),
+        figures=_packed(json.dumps(figures, allow_nan=False)),
         library=_packed(library),
-        **_known(diagnosis, laws),
+        **_known(diagnosis),
     )
 
 
@@ -83,13 +80,13 @@ def part(diagnosis: Diagnosis, name: str) -> str:
         diagnosis: to be shown.
         name: of the part.
     """
-    return html.render(f"diagnose/report/{name}.html", **_known(diagnosis, [None] * len(diagnosis.findings)))
+    return html.render(f"diagnose/report/{name}.html", **_known(diagnosis))
 
 
-def _known(diagnosis: Diagnosis, laws: Sequence[str | None]) -> dict[str, Any]:
+def _known(diagnosis: Diagnosis) -> dict[str, Any]:
     """All values of the templates."""
     own = {"CONSIDERED": CONSIDERED, "isfinite": math.isfinite, "isnan": math.isnan, "diagnosis": diagnosis}
-    return {**KNOWN, **own, "model": diagnosis.model, "laws": laws}
+    return {**KNOWN, **own, "model": diagnosis.model}
 
 
 def _figures(diagnosis: Diagnosis) -> dict[str, object]:

@@ -31,17 +31,6 @@ def largest(values: Iterable[float]) -> float:
     return max((value for value in values if math.isfinite(value)), default=1.0) or 1.0
 
 
-def largest_gap(diagnosis: Diagnosis) -> float:
-    """Scale of the gap's bars."""
-    known = (gap for gap in (diagnosis.gap_test, diagnosis.gap_fit) if gap is not None)
-    return largest(value for gap in known for value in vars(gap).values())
-
-
-def largest_share(diagnosis: Diagnosis) -> float:
-    """Scale of the bars of the joints' errors."""
-    return largest(x for e in diagnosis.errors.values() for x in (e.torque.share_before, e.torque.share_after))
-
-
 def shown_at_once(diagnosis: Diagnosis) -> int:
     """Number of pictures that are shown at once: those that explain something, two to six."""
     telling = [k for k, each in enumerate(diagnosis.residuals) if not each.explains < OPEN_PICTURE_SHARE]
