@@ -86,11 +86,13 @@ def concluded(
         left=last.left,
         data=(*answer.data, *(each.source(found.joints, last.rows.noise) for each in parts[1])),
         notes=notes(compared, found),
-        residuals=drawn(plain, first, found, named),
+        residuals=drawn(first.rows, found, named),
         fit=statistics(found.fitted),
         shares=last.shares,
         trajectories=(*trajectories(last), *trajectories(first)),
-        loops=tuple(loop for on in (last, first) if are_prescribed(on.parts) for loop in loops(on.models, on.parts)),
+        loops=tuple(
+            loop for on in (last, first) if are_prescribed(on.parts) for loop in loops(on.rows.models, on.parts)
+        ),
         no_model=WORSE if first.worse else "",
         stopped=() if converged else stopped(first.stalled or found.fitted),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.held_out import rms
+from flexdyn.diagnose.decision.held_out import Rows, rms
 from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
@@ -40,9 +40,9 @@ class Forces:
     errors: tuple[float, float, float]
 
     @classmethod
-    def of(cls, models: Sequence[Equations], white: Callable[[Array], Array]) -> Forces:
-        """Of equations of the three models, and how their residuals become white rows."""
-        (before, calibrated, after), off = (white(at.residual) for at in models), errors_of(models)
+    def of(cls, rows: Rows) -> Forces:
+        """Of the equations of the three models."""
+        (before, calibrated, after), off = (rows.white(at)[rows.seen] for at in rows.models), errors_of(rows.models)
         return cls(before, calibrated, after, (off[0], off[1], off[2]))
 
     @property
