@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flexdyn.diagnose.decision.calibrated import calibrated
@@ -24,6 +24,7 @@ from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.space import Space
+from flexdyn.diagnose.progress import tell
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows, unlike_noise
@@ -39,7 +40,6 @@ def concluded(
     compared: Posterior,
     found: Corrected,
     parts: Parts,
-    say: Callable[[str, float], None],
 ) -> Diagnosis:
     """The answer.
 
@@ -49,15 +49,14 @@ def concluded(
         compared: the posterior over structures.
         found: the corrected model.
         parts: of the fit, and the test data.
-        say: progress.
     """
-    say("simulating windows", 0.0)
+    tell("simulating windows", 0.65)
     made = calibrated(plain, start)
     found, named, first = _on_fit(plain, made, found, parts[0])
     windows = _contradicting(first)
     noise = leaves_noise(compared.fitted, plain)
     if windows is not None and (noise or first.farther):
-        say("comparing simulated windows", 0.25)
+        tell("comparing simulated windows", 0.75)
         all_named = {c for c, _ in compared.best} <= {each.candidate for each in found.names}
         by_windows = (
             reweighed(compared, windows, lambda made: leaves_noise(made, plain), all_named=all_named) if noise else None
@@ -69,12 +68,12 @@ def concluded(
             compared, plain, functools.partial(share_in_windows, compared, windows), rejected=not accepted
         )
         found, named, first = _on_fit(plain, made, again, parts[0], rejected=not accepted)
-    say("opening the test data", 0.5)
+    tell("opening the test data", 0.85)
     last = on_test(plain, first, found, named, parts[1])
     converged = found.converged and first.stalled is None
     said = verdict(named=bool(named), noise=is_noise(last.shots, last.left), converged=converged)
     answer = known(found, named, compared.noise, parts[0], last.gains)
-    say("designing experiments", 0.75)
+    tell("designing experiments", 0.9)
     return dataclasses.replace(
         answer,
         findings=with_experiments(answer.findings, found, named),

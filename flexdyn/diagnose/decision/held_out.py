@@ -52,6 +52,11 @@ class Rows:
         """Rows that are not masked (rows of an equation, equations)."""
         return ~self.whiten.mask.reshape(-1, len(self.after.kinds))
 
+    @property
+    def variance(self) -> Array:
+        """Variance of the rows from noise (rows of an equation, equations)."""
+        return np.asarray((self.whiten.factor**2).sum(axis=1).reshape(self.seen.shape))
+
     def white(self, at: Equations) -> Array:
         """White rows of a model (rows of an equation, equations)."""
         return self.whiten(at.residual).reshape(self.seen.shape)

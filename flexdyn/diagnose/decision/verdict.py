@@ -62,7 +62,7 @@ def left(rows: Rows, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Left, .
         depends_on: by joint, quantities that it is known to change with.
     """
     at, seen, white = rows.after, rows.seen, rows.white(rows.after)
-    residual, variance = (each.reshape(seen.shape) for each in (at.residual, (rows.whiten.factor**2).sum(axis=1)))
+    residual, variance = at.residual.reshape(seen.shape), rows.variance
     found: dict[str, Left] = {}
     for k, (j, kind) in enumerate(at.kinds):
         clear, joint = seen[:, k], at.true.joint_names[j]

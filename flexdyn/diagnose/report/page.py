@@ -9,10 +9,8 @@ import zlib
 from pathlib import Path
 from typing import Any
 
-from flexdyn.diagnose.report import calibrated, digits, motions, sentences, shown, suspects, words
+from flexdyn.diagnose.report import calibrated, digits, pictures, sentences, shown, suspects, words
 from flexdyn.diagnose.report.document import CONSIDERED
-from flexdyn.diagnose.report.motions import motion_figures
-from flexdyn.diagnose.report.pictures import experiment_figure, force_figure, residual_figure
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.errors import needed
 from flexdyn.io import html
@@ -39,7 +37,7 @@ PARTS = (
 """Templates of the page's parts, in their order; each is empty if it has no content."""
 KNOWN = {
     name: value
-    for module in (calibrated, digits, motions, sentences, shown, suspects, words)
+    for module in (calibrated, digits, pictures, sentences, shown, suspects, words)
     for name, value in vars(module).items()
     if not name.startswith("_")
 }
@@ -91,11 +89,11 @@ def _known(diagnosis: Diagnosis) -> dict[str, Any]:
 
 def _figures(diagnosis: Diagnosis) -> dict[str, object]:
     """What the page's script draws, by the id of its element."""
-    traces: dict[str, object] = {"motion": motion_figures(diagnosis)} if diagnosis.trajectories else {}
-    traces |= {f"trace-{k}": residual_figure(trace) for k, trace in enumerate(diagnosis.residuals)}
-    traces |= {f"force-{k}": force_figure(loop) for k, loop in enumerate(diagnosis.loops)}
+    traces: dict[str, object] = {"motion": pictures.motion_figures(diagnosis)} if diagnosis.trajectories else {}
+    traces |= {f"trace-{k}": pictures.residual_figure(trace) for k, trace in enumerate(diagnosis.residuals)}
+    traces |= {f"force-{k}": pictures.force_figure(loop) for k, loop in enumerate(diagnosis.loops)}
     plans = ((k, finding.plan) for k, finding in enumerate(diagnosis.findings))
-    return traces | {f"plan-{k}": experiment_figure(plan) for k, plan in plans if plan is not None}
+    return traces | {f"plan-{k}": pictures.experiment_figure(plan) for k, plan in plans if plan is not None}
 
 
 def _packed(text: str) -> str:
