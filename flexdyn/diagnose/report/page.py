@@ -15,26 +15,6 @@ from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.errors import needed
 from flexdyn.io import html
 
-PARTS = (
-    "head",
-    "gap",
-    "errors",
-    "forces",
-    "motions",
-    "findings",
-    "shares",
-    "residuals",
-    "left",
-    "where",
-    "calibration",
-    "fit",
-    "structures",
-    "notes",
-    "plans",
-    "data",
-    "tail",
-)
-"""Templates of the page's parts, in their order; each is empty if it has no content."""
 KNOWN = {
     name: value
     for module in (calibrated, digits, pictures, sentences, shown, suspects, words)
@@ -64,7 +44,6 @@ def page(diagnosis: Diagnosis) -> str:
         "diagnose/report/page.html",
         f"{kind} of {diagnosis.model.name}",
         scripts=(library, script),
-        parts=PARTS,
         figures=_packed(json.dumps(figures, allow_nan=False)),
         library=_packed(library),
         **_known(diagnosis),
@@ -72,7 +51,7 @@ def page(diagnosis: Diagnosis) -> str:
 
 
 def part(diagnosis: Diagnosis, name: str) -> str:
-    """One of the `PARTS` of the page.
+    """One of the parts of the page.
 
     Args:
         diagnosis: to be shown.

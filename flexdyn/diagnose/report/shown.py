@@ -18,12 +18,6 @@ OPEN_PICTURE_SHARE = 0.01
 """Smallest share of the squared residuals that a picture explains to be shown at once [1]."""
 FINDINGS_OPEN = 4
 """Number of findings that are shown in full at once; the others open on a click."""
-CORRELATIONS_OPEN = 10
-"""Number of correlations that are shown at once; the others open on a click."""
-NOISE_CHANNELS_OPEN = 4
-"""Number of channels whose noise is shown at once; more open on a click."""
-STRUCTURES_OPEN = 8
-"""Number of structures that are shown at once; the others open on a click."""
 
 
 def largest(values: Iterable[float]) -> float:
