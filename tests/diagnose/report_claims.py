@@ -67,7 +67,6 @@ CLAIMS: tuple[tuple[str, Any], ...] = (
      checks.second_recording),
     (r"Run the diagnosis to its end: it needs no new measurement\.", checks.to_its_end),
     (r"The diagnosis took (\d+) s\.", checks.took),
-    (r"^((?:or|on|in|at) [^:]+)$", checks.placed),
     (r"^flexdyn (\S+), \S+ \S+: (.+)$", checks.done),
 )  # fmt: skip
 CONSTANT = (

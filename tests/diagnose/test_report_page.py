@@ -14,9 +14,9 @@ import flexdyn as fd
 from flexdyn.control.commands import PD, Samples
 from flexdyn.diagnose.report.digits import percent, probability_text, rounded, times
 from flexdyn.diagnose.report.measures import Gap, JointError, Left, RecordingSpan, ResidualPlace, SignalError
+from flexdyn.diagnose.report.pictures import PICTURES
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import next_measurements, verdict_sentence
-from flexdyn.diagnose.report.shown import FINDINGS_OPEN, PICTURES
 from flexdyn.diagnose.report.suspects import Considered, Experiment, Finding, Number, Structure, Suspect
 from flexdyn.diagnose.report.trace import ResidualTrace
 from tests.browser import open_page
@@ -122,7 +122,7 @@ def test_much_is_folded_away_and_drawn_when_it_is_opened(tmp_path: Path) -> None
     diagnosis.save(tmp_path)
     with open_page(tmp_path / "report.html") as page:
         page.wait_for(f"document.querySelectorAll('.js-plotly-plot').length == {PICTURES}")
-        assert page.tab.locator("article:visible").count() == FINDINGS_OPEN
+        assert page.tab.locator("article:visible").count() == 4
         page.tab.locator("#residuals summary").click()
         page.wait_for(f"document.querySelectorAll('.js-plotly-plot').length == {len(diagnosis.residuals)}")
         wide = "[...document.querySelectorAll('#residuals .main-svg')].every(each => each.clientWidth > 200)"

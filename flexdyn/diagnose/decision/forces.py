@@ -16,7 +16,7 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.diagnose.report.measures import Gap
-from flexdyn.diagnose.report.trace import ForceLoop
+from flexdyn.diagnose.report.trace import MOST_LOOP_POINTS, ForceLoop
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
@@ -105,8 +105,10 @@ def loops(models: Sequence[Equations], parts: Sequence[DataPart]) -> tuple[Force
             along = [each.motions[k] for each in models]
             simulated = [a.tau[:, j] - left(each, a, j) for each, a in zip(models, along, strict=True)]
             columns = (along[0].theta[:, j], along[0].omega[:, j], along[0].tau[:, j], simulated[0], simulated[-1])
+            every = max(1, -(-len(columns[0]) // MOST_LOOP_POINTS))
             units = (robot.angle_unit(joint), robot.torque_unit(joint))
-            found.append(ForceLoop.thinned(joint, part.recording.name, part.role, units, np.stack(columns)))
+            drawn = np.stack([column[::every] for column in columns])
+            found.append(ForceLoop(joint, part.recording.name, part.role, units, drawn))
     return tuple(found)
 
 

@@ -9,15 +9,16 @@ import zlib
 from pathlib import Path
 from typing import Any
 
-from flexdyn.diagnose.report import calibrated, digits, pictures, sentences, shown, suspects, words
+from flexdyn.diagnose.report import calibrated, digits, pictures, sentences, suspects, words
 from flexdyn.diagnose.report.document import CONSIDERED
 from flexdyn.diagnose.report.result import Diagnosis
+from flexdyn.effects import catalogue
 from flexdyn.errors import needed
 from flexdyn.io import html
 
 KNOWN = {
     name: value
-    for module in (calibrated, digits, pictures, sentences, shown, suspects, words)
+    for module in (calibrated, digits, pictures, sentences, suspects, words)
     for name, value in vars(module).items()
     if not name.startswith("_")
 }
@@ -62,7 +63,13 @@ def part(diagnosis: Diagnosis, name: str) -> str:
 
 def _known(diagnosis: Diagnosis) -> dict[str, Any]:
     """All values of the templates."""
-    own = {"CONSIDERED": CONSIDERED, "isfinite": math.isfinite, "isnan": math.isnan, "diagnosis": diagnosis}
+    own = {
+        "CONSIDERED": CONSIDERED,
+        "catalogue": catalogue(),
+        "isfinite": math.isfinite,
+        "isnan": math.isnan,
+        "diagnosis": diagnosis,
+    }
     return {**KNOWN, **own, "model": diagnosis.model}
 
 

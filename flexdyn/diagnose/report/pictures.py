@@ -18,6 +18,10 @@ LEVELS = {"x": 10_000, "y": 1500}
 """Between zero and the largest, across and up: many for each dot of a picture that is 500 wide and 200 high."""
 BELOW = ("x", "y2")
 """Axes of a second room below the first one."""
+PICTURES = 6
+"""Number of pictures of residuals that are shown at once; the others open on a click."""
+OPEN_PICTURE_SHARE = 0.01
+"""Smallest share of the squared residuals that a picture explains to be shown at once [1]."""
 DRAWN_WINDOW_LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 30.0)
 """Lengths of the drawn window to choose from [s]."""
 FIRST_LENGTH = 2.0
@@ -25,6 +29,12 @@ FIRST_LENGTH = 2.0
 CLOCK = 1_000_000
 """Levels of a packed time: 60 s are resolved to 0.06 ms."""
 ROLES = {"test": "test data", "fit": "data of the fit"}
+
+
+def shown_at_once(diagnosis: Diagnosis) -> int:
+    """Number of pictures that are shown at once: those that explain something, two to six."""
+    telling = [k for k, each in enumerate(diagnosis.residuals) if not each.explains < OPEN_PICTURE_SHARE]
+    return min(PICTURES, max(2, telling[-1] + 1 if telling else 0), len(diagnosis.residuals))
 
 
 def residual_figure(trace: ResidualTrace) -> dict[str, Any]:

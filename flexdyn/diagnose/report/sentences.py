@@ -14,11 +14,6 @@ FINDINGS_IN_ONE_SENTENCE = 2
 """So many findings are all named in one sentence."""
 
 
-def finding_sentence(diagnosis: Diagnosis, finding: Finding) -> str:
-    """A finding with its probability in words and numbers, and that of every name that it may have."""
-    return told("finding", diagnosis, group=[finding])
-
-
 def finding_sentences(diagnosis: Diagnosis) -> list[str]:
     """All findings; those of one effect on one side of several joints in one sentence."""
     groups: dict[object, list[Finding]] = {}
