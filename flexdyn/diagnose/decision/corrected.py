@@ -38,7 +38,7 @@ the log likelihood of a name would change by five or more.
 
 @dataclass(frozen=True, eq=False)
 class Corrected:
-    """What is named, and the model with it.
+    """The names, and the model that has them.
 
     Attributes:
         fitted: the corrected model.
@@ -99,7 +99,7 @@ class Corrected:
 def corrected(
     found: Posterior, plain: Workspace, simulated_share: Share | None = None, *, rejected: bool = False
 ) -> Corrected:
-    """Name what is established, and fit the model with it and no more.
+    """Name what is established, and fit the model with these names and no others.
 
     For an "A or B" the model contains A. If more than noise is left, something without a name may have displaced the
     file's numbers: they are kept within their tolerance.
@@ -139,7 +139,7 @@ def corrected(
     # An effect that explains more in simulations than remains there may be small in the equations.
     least = {c: 0.0 if simulated.get(c, 0.0) > 1.0 else SMALLEST_TORQUE_SHARE for c in best}
     large = tuple(each for each in kept if _is_large(space, each.candidate, made, least[each.candidate]))
-    if large != kept:  # what the linear equations promised is not there
+    if large != kept:  # the linear equations promised too much
         kept, made = large, _fitted(made, [space.candidates[each.candidate] for each in large])
     made = made if converged(made) or made.block else fit(made.hypothesis, made.space)
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
@@ -149,13 +149,13 @@ def corrected(
 
 
 def _genuine(found: Posterior, share: Mapping[int, float]) -> dict[int, float]:
-    """Probabilities by candidate that it is what its name says, from how far it stands out."""
+    """Probability by candidate that it is no imitation, from how far it stands out from what is left."""
     has = found.fitted.hypothesis.given.effects
     return {c: genuine(found.space.candidates[c], each, found.expected, has) for c, each in share.items()}
 
 
 def _masses(found: Posterior) -> Masses:
-    """Of all sets; where linearisations do not agree, averaged over them.
+    """Posterior over all sets; where linearisations do not agree, their average.
 
     Something outside the catalogue is explained by another law at every linearisation; an effect that exists is in all
     of them. Of the structures at other linearisations, only effects of the present best structure count, laws that
@@ -182,7 +182,7 @@ def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
 
 
 def _is_large(space: Space, c: int, made: Fit, smallest: float) -> bool:
-    """Whether the effect of a candidate is as large as one must be, where the fit has it."""
+    """Whether the fitted effect of a candidate is at least as large as an effect must be."""
     here, effect = made.hypothesis, effect_of(space.candidates[c], made.hypothesis)
     if effect is None:
         return space.candidates[c].number is not None
@@ -211,7 +211,7 @@ def _may_stand_in(space: Space, masses: Masses, c: int) -> bool:
 
 
 def _fitted(found: Fit, kept: list[Candidate]) -> Fit:
-    """The fit with what is kept."""
+    """The fit with the kept candidates alone."""
     here = found.hypothesis
     effects = needed(here, [each for each in here.effects if any(effect_of(own, here) is each for own in kept)])
     freed = frozenset(own.number for own in kept if own.number is not None)

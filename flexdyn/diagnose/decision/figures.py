@@ -115,7 +115,7 @@ def on_fit(plain: Workspace, made: Fit, found: Corrected, parts: Sequence[DataPa
 
 
 def _places(plain: Workspace, at: Equations) -> tuple[ResidualPlace, ...]:
-    """Where a model's residual is more than noise; offsets of the encoders are allowed for."""
+    """Where a model's residual is more than noise, apart from offsets of the encoders."""
     found = localise(at, plain.white(at.residual), plain.whiten.mask)
     return tuple(ResidualPlace(each.joint, each.side, each.share, each.regime) for each in found)
 

@@ -39,12 +39,12 @@ class Rows:
 
     @property
     def given(self) -> Equations:
-        """Of the model as given."""
+        """Equations of the model as given."""
         return self.models[0]
 
     @property
     def after(self) -> Equations:
-        """Of the corrected model."""
+        """Equations of the corrected model."""
         return self.models[2]
 
     @property
@@ -123,7 +123,7 @@ def _mask(given: Equations, after: Equations, noise: SampleNoise) -> Flags:
 
 
 def _filters(equations: Equations, dt: float) -> Filters:
-    """Those of the fit; at another rate some of the same width."""
+    """Filters of the fit; at another rate, filters of the same width."""
     own = equations.data[0].dt
     if abs(dt - own) <= CLOCK_JITTER * own:
         return equations.filters

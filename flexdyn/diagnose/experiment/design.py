@@ -157,10 +157,10 @@ def _names(model: FlexibleJointModel, finding: Finding) -> list[str]:
 
 def _sentence(plan: Experiment, names: Sequence[str]) -> str:
     """What to do, for how long, and the result of the simulation."""
-    often = f", {plan.passes} times over" if plan.passes > 1 else ""
+    often = f", {plan.passes} times" if plan.passes > 1 else ""
     told = f"{names[0]} and {' or '.join(names[1:])} then differ by {plan.apart:.0f} times the noise"
     sure = f"(expected delta BIC {plan.delta_bic:.0f})"
-    return f"{plan.motion}{often}, {plan.seconds:.0f} s in all: simulated, {told} {sure}"
+    return f"{plan.motion}{often}, {plan.seconds:.0f} s in all: in simulation, {told} {sure}"
 
 
 def _nothing(names: Sequence[str], rehearsed: Sequence[Rehearsal]) -> str:

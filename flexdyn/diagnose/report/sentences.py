@@ -70,13 +70,13 @@ def next_measurements(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.verdict in ("unexplained", "partly_explained"):
         places = [(e.joint, f" ({e.regime})" if e.regime not in ("", "everywhere") else "") for e in diagnosis.where]
         wanted += [
-            f"More motion of {joint}{regime}, slower, with the other joints at rest: a law that no catalogue holds"
-            " shows best where nothing else moves."
+            f"More motion of {joint}{regime}, slower, with the other joints at rest: a law that the catalogue lacks"
+            " is seen best where nothing else moves."
             for joint, regime in (places or [(each.joint, "") for each in diagnosis.left])[:2]
         ]
-        wanted.append("The same motion again: what does not repeat is no law of the arm's state.")
+        wanted.append("The same motion again: a residual that does not repeat is no law of the arm's state.")
     if diagnosis.gap_test is None and diagnosis.verdict != "interrupted":
-        wanted.append("A second recording of another motion, to test the answer on data that no decision read.")
+        wanted.append("A second recording of another motion, to test the answer on data that no decision has used.")
     return wanted
 
 
