@@ -70,8 +70,7 @@ def check_twice(fit: Sequence[Path], check: Sequence[Path]) -> None:
 
 def check_pictures() -> None:
     """What the report is drawn with is there: better said now than after minutes of work."""
-    for library in ("matplotlib", "plotly"):
-        check_installed(library, "plot")
+    check_installed("plotly", "plot")
 
 
 def named(paths: Sequence[Path]) -> str:

@@ -39,6 +39,11 @@ class Course:
             check()
 
 
+STAGES = (
+    "reading the equations", "comparing structures", "simulating windows", "opening the test data",
+    "designing experiments",
+)  # fmt: skip
+"""Of a diagnosis, in their order."""
 _COURSE: ContextVar[Course | None] = ContextVar("flexdyn_course", default=None)
 
 
@@ -56,7 +61,7 @@ def tell(stage: str, share: float) -> None:
     """Report the present stage, if there is a display.
 
     Args:
-        stage: in a few words.
+        stage: in a few words; one of `STAGES` gets its number.
         share: share of the diagnosis that is finished [1].
 
     Raises:
@@ -64,7 +69,8 @@ def tell(stage: str, share: float) -> None:
     """
     course = _COURSE.get()
     if course is not None:
-        course.tell(stage, share)
+        place = f" ({STAGES.index(stage) + 1} of {len(STAGES)})" if stage in STAGES else ""
+        course.tell(f"{stage}{place}", share)
 
 
 def know(**entries: Any) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from flexdyn.effects import CommandDelay, DeflectionEffect, Effect, JointEffect, MemoryEffect, SensorEffect, unit_for
+from flexdyn.effects import CommandDelay, DeflectionEffect, Effect, JointEffect, MemoryEffect, SensorEffect
 from flexdyn.errors import InputError
 from flexdyn.plots import drive_curves, friction_curves
 from flexdyn.plots.page import GREY, checked_path, dress, new_figure, save
@@ -51,12 +51,11 @@ def draw_law(kind: type[Effect], path: str | Path) -> None:
     save(figure, file)
 
 
-def law_figure(effect: Effect, *, prismatic: bool = False) -> Any:
+def law_figure(effect: Effect) -> Any:
     """Matplotlib's figure of the law of an effect with its own parameters, without a title.
 
     Args:
         effect: to be drawn.
-        prismatic: whether its joint is prismatic: N m becomes N and rad becomes m.
 
     Raises:
         InputError: the effect has no law to draw.
@@ -66,8 +65,7 @@ def law_figure(effect: Effect, *, prismatic: bool = False) -> Any:
     figure = new_figure()
     axes = figure.add_axes((0.13, 0.13, 0.83, 0.68))
     axes.margins(x=0.0, y=0.12)
-    across, up = (unit_for(label, prismatic=prismatic) for label in draw(axes, effect))
-    dress(axes, across, up)
+    dress(axes, *draw(axes, effect))
     return figure
 
 

@@ -21,11 +21,11 @@ PROGRAM = """
 import sys
 from flexdyn.cli import main
 from flexdyn.diagnose.decision import run
-say = run._say
+say = run.tell
 def told(stage, share):
     say(stage, share)
     print(stage, flush=True)
-run._say = told
+run.tell = told
 sys.exit(main(sys.argv[1:]))
 """
 """The command, which tells every stage on stdout."""

@@ -364,13 +364,6 @@ def done(document: Document, version: str, command: str) -> None:
     assert command == (record["command"] or "called from Python")
 
 
-def placed(document: Document, phrase: str) -> None:
-    """Where some finding acts, or what else it may be."""
-    names = [name for each in document["findings"] for name in (each, *each["indistinguishable_from"])]
-    places = [str(each.get(key)) for each in names for key in ("joint", "channel", "frame", "of") if each.get(key)]
-    assert any(place in phrase for place in places) or phrase == "at the end of the arm"
-
-
 def something_left(document: Document) -> None:
     """The verdict says so, and no joint is told of."""
     assert document["verdict"] == "partly_explained"

@@ -60,14 +60,13 @@ CLAIMS: tuple[tuple[str, Any], ...] = (
      r" unexplained may have changed it\.", checks.beyond_tolerance),
     (r"Nothing beyond what is said above\.", checks.nothing_to_note),
     (r"Nothing: no finding waits for another measurement\.", checks.nothing_to_measure),
-    (r"More motion of (\S+)(?: \((.+?)\))?, slower, with the other joints at rest: a law that no catalogue holds shows"
-     r" best where nothing else moves\.", checks.more_motion),
-    (r"The same motion again: what does not repeat is no law of the arm's state\.", checks.once_more),
-    (r"A second recording of another motion, to test the answer on data that no decision read\.",
+    (r"More motion of (\S+)(?: \((.+?)\))?, slower, with the other joints at rest: a law that the catalogue lacks is"
+     r" seen best where nothing else moves\.", checks.more_motion),
+    (r"The same motion again: a residual that does not repeat is no law of the arm's state\.", checks.once_more),
+    (r"A second recording of another motion, to test the answer on data that no decision has used\.",
      checks.second_recording),
     (r"Run the diagnosis to its end: it needs no new measurement\.", checks.to_its_end),
     (r"The diagnosis took (\d+) s\.", checks.took),
-    (r"^((?:or|on|in|at) [^:]+)$", checks.placed),
     (r"^flexdyn (\S+), \S+ \S+: (.+)$", checks.done),
 )  # fmt: skip
 CONSTANT = (
@@ -79,7 +78,7 @@ CONSTANT = (
     r"Positions are simulated without feedback over windows of 0\.5 s.*?hides its curves\.",
     r"The (?:pictures that explain most|equations in which most is left) come first\..*?are averages\.",
     r"before after: the corrected model",
-    r"Beyond noise, after the correction\..*?no sensor noise\.",
+    r"What the corrected model leaves beyond noise\..*?not sensor noise\.",
     r"Of the calibrated model, before the findings were added\..*?through the spring\.",
     r"Of the sum of squares of what the equations leave.*?share differently\.",
     r"Behind each name: its stated tolerance, one standard deviation\.",
@@ -88,6 +87,5 @@ CONSTANT = (
     r"Fit: numbers are estimated and structures are compared.*?errors per joint\.",
     r"Beside this page: .*?report\.json, the same for programs\.",
     r"Why an effect was named, or was not: flexdyn diagnose \.\.\. --explain EFFECT@JOINT\.",
-    r"^The law of .+ with the numbers found\.$",
 )
 """Explanations, which say the same on every page."""

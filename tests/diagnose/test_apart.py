@@ -29,7 +29,7 @@ def test_encoders_keep_the_offsets_that_a_hypothesis_needs() -> None:
     usual = Known.of(made)
 
     def along(each: Known) -> Workspace:
-        return space_along(space, hypothesis.factors, pushed(each.fitted.hypothesis), space.noise)
+        return space_along(space, hypothesis.factors, pushed(each.fitted.hypothesis))
 
     own, other, plain = (
         refitted(each, motion).chi2()

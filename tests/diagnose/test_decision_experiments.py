@@ -10,7 +10,7 @@ from flexdyn.diagnose.decision.corrected import corrected
 from flexdyn.diagnose.decision.findings import findings, with_experiments
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.split import parts
-from flexdyn.diagnose.experiment.design import CLEAR_DELTA_BIC
+from flexdyn.diagnose.experiment.rehearsal import CLEAR_DELTA_BIC
 from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
 from flexdyn.diagnose.inference.passes import posterior
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
@@ -34,7 +34,7 @@ def test_the_rival_is_fitted_and_a_motion_tells_it_apart(tmp_path: Path) -> None
     either = [Name(named.candidate, (rival,), 0.99)]
     told = findings(model, found, either, {})
     assert told[0].plan is None
-    (answer,) = with_experiments(told, found, either, compared.noise)
+    (answer,) = with_experiments(told, found, either)
     assert answer.plan is not None
     assert answer.plan.names == ("Coulomb friction", "presliding friction")
     assert answer.plan.delta_bic >= CLEAR_DELTA_BIC

@@ -45,8 +45,9 @@ def test_torque_errors_are_known_where_a_joint_rests() -> None:
     model = two_link(ARM)
     data = (measured(model, _one_joint_rests()),)
     at = Equations(model, data, Filters.of_rate(data[0].dt))
-    rows = held_out(at, Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0)), data)
+    start = Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
+    rows = held_out(at, start, start, data)
     assert rows.seen[:, 0].any()
-    before, after, recorded = rows.torque(0)
+    (before, _, after), recorded = rows.torque(0)
     assert len(before) == len(after) == len(recorded) > 0
     assert np.isfinite(before).all()

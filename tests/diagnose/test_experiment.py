@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.experiment import rehearsal
-from flexdyn.diagnose.experiment.apart import Known
-from flexdyn.diagnose.experiment.design import AMPLE_DELTA_BIC, CLEAR_DELTA_BIC, _rehearsed, with_experiment
+from flexdyn.diagnose.experiment import bench as simulating
+from flexdyn.diagnose.experiment.bench import RehearsalBench
+from flexdyn.diagnose.experiment.design import AMPLE_DELTA_BIC, _rehearsed, with_experiment
 from flexdyn.diagnose.experiment.moves import moves
 from flexdyn.diagnose.experiment.reach import Reach
-from flexdyn.diagnose.experiment.rehearsal import RehearsalBench
+from flexdyn.diagnose.experiment.rehearsal import CLEAR_DELTA_BIC, Rehearsal
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.report.suspects import Experiment, Finding, Suspect
@@ -97,7 +97,7 @@ class Question:
         """With the experiment for it."""
         one, other = (Suspect(name, "lift", "link") for name in names)
         found = Finding(one, 0.99, 50.0, 0.5, (other,), "something general")
-        return with_experiment(found, named, [rival], self.space, self.noise)
+        return with_experiment(found, named, [rival])
 
     def apart(self, one: fd.effects.Effect, other: fd.effects.Effect) -> float:
         """Chi^2 of the one law less that of the other."""
@@ -150,7 +150,7 @@ def test_a_motion_that_cannot_be_simulated_is_left_out(tmp_path: Path, monkeypat
     def stopped(*_: object, **__: object) -> None:
         raise SimulationError("stopped", reason="stopped", t=0.0)
 
-    monkeypatch.setattr(rehearsal, "simulate", stopped)
+    monkeypatch.setattr(simulating, "simulate", stopped)
     question = Question(tmp_path, [at_one_speed(COULOMB)])
     answer = question.answered(("a", "b"), question.explained(COULOMB), question.explained(VISCOUS))
     assert (answer.experiment, answer.plan) == ("something general", None)
@@ -178,9 +178,9 @@ def plan() -> Experiment:
     reference = fd.Samples(t, np.sin(t)[:, None], "cubic")
     left = np.where(np.abs(np.cos(t)) < 0.1, np.nan, np.sign(np.cos(t)))
     names = ("Coulomb friction", "viscous friction <b>")
-    labels = ("elbow [rad]", "torque on the rotor of elbow [N m]")
+    labels = ("elbow [rad]", "motor equation of elbow, in units of noise")
     told = ("swing elbow", 16.0, 2, 0.0, 400.0, fd.PD(reference, 1.0, 1.0), names)
-    return Experiment(*told, t, np.sin(t), left, 0.1 + 0.0 * t, labels)
+    return Experiment(*told, t, np.sin(t), left, labels)
 
 
 def test_an_experiment_is_locked_and_survives_a_trip_to_another_process() -> None:
@@ -194,16 +194,15 @@ def test_an_experiment_is_locked_and_survives_a_trip_to_another_process() -> Non
 def test_motions_after_one_that_is_ample_are_left_out(tmp_path: Path) -> None:
     """They run side by side, and the same ones are kept as one after the other; one that stops is passed over."""
     question = Question(tmp_path, [at_one_speed(COULOMB)])
-    equations, known = question.space.equations, tuple(Known.of(question.explained(law)) for law in (COULOMB, VISCOUS))
-    reach = Reach.of(equations)
-    bench = RehearsalBench(question.space, question.noise, known, reach)
-    made = moves(reach, 0, equations.true, reach.poses[0])
-    slow = [move for move in made if bench.rehearse(move).apart() < AMPLE_DELTA_BIC]
-    telling = [move for move in made if bench.rehearse(move).apart() > 2.0 * AMPLE_DELTA_BIC]
+    bench = RehearsalBench.of([question.explained(law) for law in (COULOMB, VISCOUS)])
+    reach = bench.reach
+    made = moves(reach, 0, question.space.equations.true, reach.poses[0])
+    slow = [move for move in made if Rehearsal.of(bench, move).apart() < AMPLE_DELTA_BIC]
+    telling = [move for move in made if Rehearsal.of(bench, move).apart() > 2.0 * AMPLE_DELTA_BIC]
     assert len(slow) > 1
     assert len(telling) > 1
     thrown = dataclasses.replace(slow[0], push=np.full_like(slow[0].push, 1e300))
     with pytest.raises(SimulationError, match="not finite"):
-        bench.rehearse(thrown)
+        Rehearsal.of(bench, thrown)
     kept = _rehearsed(bench, [thrown, slow[0], telling[0], slow[1], telling[1]])
     assert [each.move.words for each in kept] == [slow[0].words, telling[0].words]

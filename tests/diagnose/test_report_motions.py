@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexdyn.diagnose.report.motions import motion_figures
+from flexdyn.diagnose.report.pictures import motion_figures
 from flexdyn.diagnose.report.trace import MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed
 from tests.arms import repickled
 from tests.browser import open_page

@@ -1,59 +1,16 @@
-"""Pictures of a report: laws with the numbers found, residuals thinned and averaged."""
+"""Pictures of a report: residuals thinned and averaged."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-import flexdyn as fd
-from flexdyn.diagnose.report.law import effect_of, law_picture
 from flexdyn.diagnose.report.pictures import residual_figure
-from flexdyn.diagnose.report.suspects import Number, Suspect
 from flexdyn.diagnose.report.trace import ResidualTrace
-from flexdyn.plots.laws import law_figure
-from tests.arms import SLIDER, repickled
+from tests.arms import repickled
 from tests.diagnose import report_cases as cases
-
-
-def test_a_sliding_joint_reads_newton_and_metre(tmp_path: Path) -> None:
-    """The picture of a law has the units of its joint."""
-    (tmp_path / "slider.urdf").write_text(SLIDER, encoding="utf-8")
-    model = fd.FlexibleJointModel(fd.load_robot(tmp_path / "slider.urdf"))
-    suspect = Suspect("coulomb_friction", "lift", "link", {"level": Number(2.5, 0.1, "N")})
-    effect = effect_of(suspect)
-    assert effect == fd.effects.CoulombFriction("lift", side="link", level=2.5)
-    axes = law_figure(effect, prismatic=True).axes[0]
-    assert (axes.get_xlabel()[-5:], axes.get_ylabel()[-3:]) == ("[m/s]", "[N]")
-    picture = law_picture(suspect, model)
-    assert picture is not None
-    assert picture != law_picture(suspect, fd.load_model("scara_two_link"))
-
-
-@pytest.mark.parametrize(
-    "suspect",
-    [
-        Suspect("presliding_friction", "elbow", "motor"),
-        Suspect("payload", None, None, {"mass": Number(1.0, 0.1, "kg")}),
-        Suspect("no_such_effect", "elbow", "motor"),
-        Suspect("coulomb_friction", "elbow", "motor", {"level": Number(math.nan, 0.1, "N m")}),
-    ],
-)
-def test_what_cannot_be_drawn_is_left_out(suspect: Suspect) -> None:
-    """No numbers, no law, no such effect, a number that is none."""
-    assert law_picture(suspect, fd.load_model("scara_two_link")) is None
-
-
-def test_every_law_of_the_catalogue_can_stand_in_a_report() -> None:
-    """With its example's numbers as the ones found: what `draw_law` draws, the report shows."""
-    model = fd.load_model("scara_two_link")
-    drawn = {name: law_picture(_example(kind), model) for name, kind in fd.effects.catalogue().items()}
-    assert {name for name, picture in drawn.items() if picture is None} == {"payload", "parameter_error"}
-    assert all(picture is None or picture.startswith("<svg") for picture in drawn.values())
 
 
 def test_averages_show_a_law_under_noise() -> None:
@@ -95,12 +52,3 @@ def test_traces_are_locked() -> None:
     for each in (trace, repickled(trace)):
         with pytest.raises(ValueError, match="read-only"):
             each.before[0] = 1.0
-
-
-def _example(kind: type[fd.effects.Effect]) -> Suspect:
-    entry = kind.example().to_dict()
-    numbers = {field.name: Number(entry.pop(field.name), 0.1, "1") for field in kind.parameters()}
-    place: Callable[[str], Any] = entry.pop
-    del entry["effect"]
-    joint, side = (place(key) if key in entry else None for key in ("joint", "side"))
-    return Suspect(kind.name, joint, side, numbers, entry)

@@ -24,7 +24,6 @@ from flexdyn.diagnose.report.page import part
 from flexdyn.diagnose.report.result import VERDICTS, Diagnosis
 from flexdyn.diagnose.report.sentences import (
     error_sentence,
-    finding_sentence,
     finding_sentences,
     gap_sentence,
     next_measurements,
@@ -103,14 +102,15 @@ def test_a_single_thing_left_is_not_called_the_most() -> None:
 def test_a_finding_says_how_probable_it_and_each_of_its_names_is() -> None:
     """In words and numbers; "A or B" together, and each by itself."""
     diagnosis = cases.explained()
-    several, one, *_ = diagnosis.findings
-    assert finding_sentence(diagnosis, several) == (
+    _, one, *_ = diagnosis.findings
+    assert finding_sentences(diagnosis)[0] == (
         "Stribeck friction (0.71) or presliding friction (0.21) on the motor side of elbow, or spring hysteresis in the"
         " transmission of elbow (0.076): virtually certain (together probability 0.996)."
     )
-    assert finding_sentence(diagnosis, one) == "A payload at frame tip: virtually certain (probability above 0.999)."
+    assert finding_sentences(diagnosis)[1] == "A payload at frame tip: virtually certain (probability above 0.999)."
     unknown = dataclasses.replace(one, probability=math.nan)
-    assert finding_sentence(diagnosis, unknown) == "A payload at frame tip: of unknown probability."
+    (told,) = finding_sentences(dataclasses.replace(diagnosis, findings=(unknown,)))
+    assert told == "A payload at frame tip: of unknown probability."
 
 
 def test_one_effect_on_many_joints_is_said_once() -> None:
@@ -195,9 +195,8 @@ def test_a_title_says_where_each_of_its_names_acts() -> None:
     here, elsewhere = cases.PRESLIDING, dataclasses.replace(cases.PRESLIDING, joint="shoulder")
     finding = Finding(cases.STRIBECK, 1.0, 1.0, 1.0, (here, elsewhere, cases.WRONG))
     told = _article(dataclasses.replace(cases.no_discrepancy(), findings=(finding,)), 1)
-    assert "<h3>1. Stribeck friction or presliding friction</h3>" in told
-    place = "on the motor side of elbow, or presliding friction on the motor side of shoulder, or a wrong stiffness of"
-    assert f"<p>{place} shoulder" in told
+    assert "<h3>1. Stribeck friction or presliding friction on the motor side of elbow, or presliding" in told
+    assert "friction on the motor side of shoulder, or a wrong stiffness of shoulder (+31 %)</h3>" in told
 
 
 def test_digits_follow_from_the_uncertainty() -> None:

@@ -32,15 +32,15 @@ class ComparedModel:
         label: its name in the tables.
         joints: names of its joints, which identify the arm.
         numbers: by what they are of, in words.
-        effects: probability of each by what it is and where, in words; 1 where the file gives it.
-        absent: probability of effects that were compared and are not in the model.
+        effects: what each is and where, in words.
+        probability: of these, 1 where the file gives it, and of others that were compared.
     """
 
     label: str
     joints: tuple[str, ...]
     numbers: Mapping[str, Number]
-    effects: Mapping[str, float]
-    absent: Mapping[str, float]
+    effects: tuple[str, ...]
+    probability: Mapping[str, float]
 
 
 def compared_model(given: Given, label: str) -> ComparedModel:
@@ -55,53 +55,45 @@ def compared_model(given: Given, label: str) -> ComparedModel:
         InputError: there is no such file or folder, or it holds no model or report.
     """
     if isinstance(given, Diagnosis):
-        return _of_report(given.model, given.to_dict(), label)
+        return _compared(given.model, given.to_dict(), label)
     if isinstance(given, FlexibleJointModel):
-        return _of_model(given, label)
+        return _compared(given, {}, label)
     try:
         path = Path(given)
     except TypeError:
         remedy = "give model files, folders of diagnoses, models or diagnoses"
         raise InputError("no model and no diagnosis", key="models", value=given, remedy=remedy) from None
-    folder = path if path.is_dir() else path.parent
-    report = folder / REPORT
-    if path.is_dir() and not (folder / MODEL).exists():
+    file = path / MODEL if path.is_dir() else path
+    if path.is_dir() and not file.exists():
         remedy = f"a folder of a diagnosis with {MODEL} is needed; it is not written where it would be a worse model"
         raise InputError("the folder holds no corrected model", file=path, key=MODEL, remedy=remedy)
-    model = load_model(folder / MODEL if path.is_dir() else path)
-    if (path.is_dir() or path.name == MODEL) and report.exists():
-        return _of_report(model, _read(report), label)
-    return _of_model(model, label)
+    model, report = load_model(file), file.with_name(REPORT)
+    return _compared(model, _read(report) if file.name == MODEL and report.exists() else {}, label)
 
 
 def _read(report: Path) -> dict[str, Any]:
     try:
-        content = json.loads(report.read_text(encoding="utf-8"))
-        found = dict(content)
-        known = str(found["schema"]).startswith("flexdyn.diagnosis/")
+        content: dict[str, Any] = json.loads(report.read_text(encoding="utf-8"))
+        schema = str(content["schema"])
     except (ValueError, KeyError, TypeError):
-        known, found = False, {}
-    if not known:
+        schema = ""
+    if not schema.startswith("flexdyn.diagnosis/"):
         remedy = "flexdyn diagnose writes one"
         raise InputError("it is no report of a diagnosis", file=report, key="schema", remedy=remedy)
-    return found
+    return content
 
 
-def _of_model(model: FlexibleJointModel, label: str) -> ComparedModel:
-    """A model without a report: its tolerances are the uncertainties of its numbers."""
+def _compared(model: FlexibleJointModel, report: Mapping[str, Any], label: str) -> ComparedModel:
+    """A model with the uncertainties and probabilities in the report of its diagnosis, else with its tolerances."""
     relative = {number_phrase(model, n.of, n.parameter): n.tolerance for n in file_numbers(model)}
-    return ComparedModel(label, tuple(model.joint_names), _numbers(model, relative, {}), _acting(model), {})
-
-
-def _of_report(model: FlexibleJointModel, report: Mapping[str, Any], label: str) -> ComparedModel:
-    """A corrected model with the uncertainties and probabilities in the report of its diagnosis."""
-    relative, factors = {}, {}
-    for entry in report["calibration"]:
+    factors, acting = {}, _acting(model)
+    probability = {_told(each): _float(each["probability"]) for each in report.get("considered", ())}
+    probability |= dict.fromkeys(acting, 1.0)
+    for entry in report.get("calibration", ()):
         phrase = number_phrase(model, entry["of"], entry["parameter"])
         factors[phrase] = _float(entry["factor"])
         relative[phrase] = _float(entry["std"]) / max(abs(factors[phrase]), 1e-300)
-    named: dict[str, float] = {}
-    for finding in report["findings"]:
+    for finding in report.get("findings", ()):
         where = _told(finding)
         for parameter, number in finding["parameters"].items():
             phrase = f"{parameter.replace('_', ' ')} of {where}"
@@ -109,18 +101,17 @@ def _of_report(model: FlexibleJointModel, report: Mapping[str, Any], label: str)
                 phrase = number_phrase(model, finding["of"], finding["parameter"])
             value, std = _float(number["value"]), _float(number["std"])
             factors[phrase], relative[phrase] = value, std / max(abs(value), 1e-300)
-        named[where] = _float(finding["probability"])
-    effects = {where: named.get(where, certain) for where, certain in _acting(model).items()}
-    compared = {_told(each): _float(each["probability"]) for each in report["considered"]}
-    absent = {where: p for where, p in compared.items() if where not in effects}
-    return ComparedModel(label, tuple(model.joint_names), _numbers(model, relative, factors), effects, absent)
+        if where in acting:
+            probability[where] = _float(finding["probability"])
+    numbers = _numbers(model.resolved(), relative, factors)
+    return ComparedModel(label, tuple(model.joint_names), numbers, acting, probability)
 
 
 def _numbers(
-    model: FlexibleJointModel, relative: Mapping[str, float], factors: Mapping[str, float]
+    true: FlexibleJointModel, relative: Mapping[str, float], factors: Mapping[str, float]
 ) -> dict[str, Number]:
     """Of the model as it is true; those of links as factors on their URDF, which holds the number."""
-    true, found = model.resolved(), {}
+    found = {}
     for number in file_numbers(true):
         phrase = number_phrase(true, number.of, number.parameter)
         value, unit = given_number(true, number.of, number.parameter)
@@ -129,10 +120,10 @@ def _numbers(
     return found
 
 
-def _acting(model: FlexibleJointModel) -> dict[str, float]:
-    """Effects of the arm or its sensors, but no wrong numbers of the file; each has the probability 1."""
+def _acting(model: FlexibleJointModel) -> tuple[str, ...]:
+    """Effects of the arm or its sensors, but no wrong numbers of the file."""
     acting = (each.to_dict() for each in model.effects if not each.is_neutral and not each.in_numbers)
-    return {_told(each): 1.0 for each in acting}
+    return tuple(dict.fromkeys(map(_told, acting)))
 
 
 def _told(entry: Mapping[str, Any]) -> str:

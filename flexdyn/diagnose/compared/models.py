@@ -239,7 +239,7 @@ def _same(values: Sequence[Number]) -> tuple[float, Verdict]:
 
 def _effect(name: str, models_: Sequence[ComparedModel]) -> EffectOverModels:
     there = tuple(name in side.effects for side in models_)
-    odds = tuple(side.effects.get(name, side.absent.get(name, math.nan)) for side in models_)
+    odds = tuple(side.probability.get(name, math.nan) for side in models_)
     return EffectOverModels(name, there, odds, _course(there))
 
 

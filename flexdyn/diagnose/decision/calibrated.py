@@ -14,7 +14,7 @@ WEIGHTINGS, STEPS = 4, 4
 
 
 def calibrated(plain: Workspace, start: Hypothesis) -> Fit:
-    """Fit the file's numbers, no effect added.
+    """Fit the numbers of the file, with no effect added.
 
     An unexplained gap displaces them only a little, because the weights include the remaining model error.
 
@@ -29,7 +29,7 @@ def calibrated(plain: Workspace, start: Hypothesis) -> Fit:
 
 
 def within(made: Fit) -> Fit:
-    """The fit with the file's numbers back within three tolerances; those that are freed stay."""
+    """The fit with the numbers of the file limited to three tolerances; freed numbers stay as they are."""
     here = made.hypothesis.tolerated()
     if here.factors == made.hypothesis.factors:
         return made

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flexdyn.diagnose.decision.calibrated import calibrated
@@ -24,6 +24,7 @@ from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.space import Space
+from flexdyn.diagnose.progress import tell
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows, unlike_noise
@@ -39,7 +40,6 @@ def concluded(
     compared: Posterior,
     found: Corrected,
     parts: Parts,
-    say: Callable[[str, float], None],
 ) -> Diagnosis:
     """The answer.
 
@@ -49,15 +49,14 @@ def concluded(
         compared: the posterior over structures.
         found: the corrected model.
         parts: of the fit, and the test data.
-        say: progress.
     """
-    say("simulating windows", 0.0)
+    tell("simulating windows", 0.65)
     made = calibrated(plain, start)
     found, named, first = _on_fit(plain, made, found, parts[0])
     windows = _contradicting(first)
     noise = leaves_noise(compared.fitted, plain)
     if windows is not None and (noise or first.farther):
-        say("comparing simulated windows", 0.25)
+        tell("comparing simulated windows", 0.75)
         all_named = {c for c, _ in compared.best} <= {each.candidate for each in found.names}
         by_windows = (
             reweighed(compared, windows, lambda made: leaves_noise(made, plain), all_named=all_named) if noise else None
@@ -69,15 +68,15 @@ def concluded(
             compared, plain, functools.partial(share_in_windows, compared, windows), rejected=not accepted
         )
         found, named, first = _on_fit(plain, made, again, parts[0], rejected=not accepted)
-    say("opening the test data", 0.5)
+    tell("opening the test data", 0.85)
     last = on_test(plain, first, found, named, parts[1])
     converged = found.converged and first.stalled is None
     said = verdict(named=bool(named), noise=is_noise(last.shots, last.left), converged=converged)
     answer = known(found, named, compared.noise, parts[0], last.gains)
-    say("designing experiments", 0.75)
+    tell("designing experiments", 0.9)
     return dataclasses.replace(
         answer,
-        findings=with_experiments(answer.findings, found, named, compared.noise),
+        findings=with_experiments(answer.findings, found, named),
         verdict=said,
         gap_fit=first.gap,
         gap_test=last.gap,
@@ -86,11 +85,13 @@ def concluded(
         left=last.left,
         data=(*answer.data, *(each.source(found.joints, last.rows.noise) for each in parts[1])),
         notes=notes(compared, found),
-        residuals=drawn(plain, first, found, named),
+        residuals=drawn(first.rows, found, named),
         fit=statistics(found.fitted),
         shares=last.shares,
         trajectories=(*trajectories(last), *trajectories(first)),
-        loops=tuple(loop for on in (last, first) if are_prescribed(on.parts) for loop in loops(on.models, on.parts)),
+        loops=tuple(
+            loop for on in (last, first) if are_prescribed(on.parts) for loop in loops(on.rows.models, on.parts)
+        ),
         no_model=WORSE if first.worse else "",
         stopped=() if converged else stopped(first.stalled or found.fitted),
     )

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.even_odds import told_by_data
-from flexdyn.diagnose.decision.held_out import HeldOut
+from flexdyn.diagnose.decision.held_out import Rows
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name, names, standing_in
 from flexdyn.diagnose.decision.verdict import left
@@ -38,7 +38,7 @@ the log likelihood of a name would change by five or more.
 
 @dataclass(frozen=True, eq=False)
 class Corrected:
-    """What is named, and the model with it.
+    """The names, and the model that has them.
 
     Attributes:
         fitted: the corrected model.
@@ -99,7 +99,7 @@ class Corrected:
 def corrected(
     found: Posterior, plain: Workspace, simulated_share: Share | None = None, *, rejected: bool = False
 ) -> Corrected:
-    """Name what is established, and fit the model with it and no more.
+    """Name what is established, and fit the model with these names and no others.
 
     For an "A or B" the model contains A. If more than noise is left, something without a name may have displaced the
     file's numbers: they are kept within their tolerance.
@@ -120,49 +120,42 @@ def corrected(
     may = functools.partial(_may_stand_in, space, masses)
     sure = [each.candidate for each in names(masses, best, None, there, may) if each.established]
     simulated = {c: simulated_share(c) for c in sure} if simulated_share else {}
-    seen = _genuine(found, simulated)
-    weigh = functools.partial(_weighed, seen, min if rejected else max)
-    named = names(masses, best, weigh(own), there, may)
+    seen, which = _genuine(found, simulated), min if rejected else max
+
+    def weighed() -> dict[int, float]:
+        """Probabilities that a name is genuine, by the equations and, where there are any, by simulations."""
+        return {c: which(each, seen.get(c, each)) for c, each in own.items()}
+
+    named = names(masses, best, weighed(), there, may)
     told: set[int] = set()
     real = {c for c in best if own[c] >= ESTABLISHED}  # also where nobody knows which of several laws it is
     while told != (told := {each.candidate for each in named if each.established}):
         # What may be an imitation explains nothing: the names must stand out from it, too.
         alone = _genuine(found, shares(space, frozenset(each for each in found.best if each[0] in told | real)))
         own |= {c: min(own[c], alone[c]) for c in told}
-        named = names(masses, best, weigh(own), there, may)
+        named = names(masses, best, weighed(), there, may)
     kept = told_by_data(space, masses, best, [each for each in named if each.established], may)
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
     # An effect that explains more in simulations than remains there may be small in the equations.
-    least = {c: 0.0 if each > 1.0 else SMALLEST_TORQUE_SHARE for c, each in simulated.items()}
-    large = tuple(
-        each
-        for each in kept
-        if _is_large(space, space.candidates[each.candidate], made, least.get(each.candidate, SMALLEST_TORQUE_SHARE))
-    )
-    if large != kept:  # what the linear equations promised is not there
+    least = {c: 0.0 if simulated.get(c, 0.0) > 1.0 else SMALLEST_TORQUE_SHARE for c in best}
+    large = tuple(each for each in kept if _is_large(space, each.candidate, made, least[each.candidate]))
+    if large != kept:  # the linear equations promised too much
         kept, made = large, _fitted(made, [space.candidates[each.candidate] for each in large])
     made = made if converged(made) or made.block else fit(made.hypothesis, made.space)
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = leaves_noise(made, plain)
     made = made if explained else within(made)
-    return Corrected(made, kept, masses, space, explained, weigh(own))
+    return Corrected(made, kept, masses, space, explained, weighed())
 
 
 def _genuine(found: Posterior, share: Mapping[int, float]) -> dict[int, float]:
-    """Probabilities by candidate that it is what its name says, from how far it stands out."""
+    """Probability by candidate that it is no imitation, from how far it stands out from what is left."""
     has = found.fitted.hypothesis.given.effects
     return {c: genuine(found.space.candidates[c], each, found.expected, has) for c, each in share.items()}
 
 
-def _weighed(
-    seen: Mapping[int, float], which: Callable[[float, float], float], own: Mapping[int, float]
-) -> dict[int, float]:
-    """Probabilities by candidate that it is genuine, by the equations and, where there are any, by simulations."""
-    return {c: which(each, seen.get(c, each)) for c, each in own.items()}
-
-
 def _masses(found: Posterior) -> Masses:
-    """Of all sets; where linearisations do not agree, averaged over them.
+    """Posterior over all sets; where linearisations do not agree, their average.
 
     Something outside the catalogue is explained by another law at every linearisation; an effect that exists is in all
     of them. Of the structures at other linearisations, only effects of the present best structure count, laws that
@@ -188,11 +181,11 @@ def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
     return effect is not None and not effect.is_neutral
 
 
-def _is_large(space: Space, candidate: Candidate, made: Fit, smallest: float) -> bool:
-    """Whether the effect of a candidate is as large as one must be, where the fit has it."""
-    here, effect = made.hypothesis, effect_of(candidate, made.hypothesis)
+def _is_large(space: Space, c: int, made: Fit, smallest: float) -> bool:
+    """Whether the fitted effect of a candidate is at least as large as an effect must be."""
+    here, effect = made.hypothesis, effect_of(space.candidates[c], made.hypothesis)
     if effect is None:
-        return candidate.number is not None
+        return space.candidates[c].number is not None
     without = dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not effect]))
     change = made.equations.residual - made.equations.of(without.model()).residual
     share, least = space.library.size_of(effect, change, smallest)
@@ -218,7 +211,7 @@ def _may_stand_in(space: Space, masses: Masses, c: int) -> bool:
 
 
 def _fitted(found: Fit, kept: list[Candidate]) -> Fit:
-    """The fit with what is kept."""
+    """The fit with the kept candidates alone."""
     here = found.hypothesis
     effects = needed(here, [each for each in here.effects if any(effect_of(own, here) is each for own in kept)])
     freed = frozenset(own.number for own in kept if own.number is not None)
@@ -244,7 +237,8 @@ def possible(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
 
 def leaves_noise(made: Fit, plain: Workspace) -> bool:
     """Whether no joint's equations leave more than noise and 1 % of its torque."""
-    return not left(HeldOut(plain.equations, made.equations, plain.noise, plain.whiten), {})
+    models = (plain.equations, made.equations, made.equations)
+    return not left(Rows(models, plain.noise, plain.whiten), {})
 
 
 def converged(made: Fit) -> bool:

@@ -10,15 +10,12 @@ from numpy.typing import NDArray
 
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.decision.corrected import Corrected
-from flexdyn.diagnose.decision.figures import OnData, OnFit
+from flexdyn.diagnose.decision.figures import OnData
 from flexdyn.diagnose.decision.gaps import Shots
-from flexdyn.diagnose.decision.held_out import summed
+from flexdyn.diagnose.decision.held_out import Rows, summed
 from flexdyn.diagnose.decision.laws_seen import laws_seen
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.equations.covariance import Whitener
-from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.localise import traces
-from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.report.trace import MeasuredCurve, ResidualTrace, Trajectory
 from flexdyn.diagnose.shooting.gap import Shot
 
@@ -26,37 +23,30 @@ HIGHEST_DRAWN_RATE = 200.0
 """Positions are drawn at most so often [Hz]; torques at the rate of the equations' rows."""
 
 
-def drawn(plain: Workspace, first: OnFit, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
+def drawn(rows: Rows, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
     """Pictures in the order of how much they explain: of the laws found, then two of every equation.
 
     Args:
-        plain: equations of the model as given over the data of the fit.
-        first: figures on these.
+        rows: over the data of the fit.
         found: the corrected model.
         named: the names that are reported.
     """
-    laws = laws_seen(plain.equations, first.models[2], plain.whiten, found, named)
-    ordered = sorted(laws, key=lambda each: -each.explains)
-    return (*ordered, *of_equations(plain.equations, first.models[2], plain.whiten, explained=bool(laws)))
+    laws = laws_seen(rows, found, named)
+    return (*sorted(laws, key=lambda each: -each.explains), *of_equations(rows, explained=bool(laws)))
 
 
-def of_equations(
-    before: Equations, after: Equations, whiten: Whitener, *, explained: bool
-) -> tuple[ResidualTrace, ...]:
+def of_equations(rows: Rows, *, explained: bool) -> tuple[ResidualTrace, ...]:
     """Two pictures of every equation, those of which the correction takes most first.
 
     One is over what its residual depends on more, position or velocity, and one over time. Where nothing was found,
     those come first in which most is left: they are what a reader looks for.
 
     Args:
-        before: of the model as given.
-        after: of the corrected model, over the same recordings.
-        whiten: by the sensors' noise.
+        rows: by the sensors' noise.
         explained: whether something was found.
     """
-    many = len(before.kinds)
-    first, last = ((whiten(at.residual).reshape(-1, many) ** 2).sum(axis=0) for at in (before, after))
-    pictures = traces(before, after, whiten.mask)
+    first, last = ((rows.white(at) ** 2).sum(axis=0) for at in (rows.given, rows.after))
+    pictures = traces(rows.given, rows.after, rows.whiten.mask)
     shares = (first - last) / max(first.sum(), 1e-300) if explained else last / max(last.sum(), 1e-300)
     equations: list[ResidualTrace] = []
     for k in np.argsort(-shares, kind="stable").tolist():
@@ -75,8 +65,8 @@ def _dependence(cloud: ResidualTrace) -> float:
 def trajectories(on: OnData) -> tuple[Trajectory, ...]:
     """Measured and simulated motion of every joint over every span of some data."""
     found = []
-    robot = on.models[0].true.robot
-    for j, joint in enumerate(on.models[0].true.joint_names):
+    robot = on.rows.given.true.robot
+    for j, joint in enumerate(on.rows.given.true.joint_names):
         torques = _torques(on, j, f"torque [{robot.torque_unit(joint)}]")
         for k, part in enumerate(on.parts):
             if len(torques[k].t) < 2:
@@ -91,11 +81,10 @@ def _torques(on: OnData, j: int, label: str) -> list[MeasuredCurve]:
 
     The lines are open at masked rows: a joint may rest there, and friction may then have any value.
     """
-    left = [summed(at, j) for at in on.models]
-    clear: Flags = np.asarray(on.seen[:, left[0][1]].all(axis=1))
+    left, filters = [summed(at, j) for at in on.rows.models], on.rows.after.filters
+    clear: Flags = np.asarray(on.rows.seen[:, left[0][1]].all(axis=1))
     curves, first = [], 0
-    for along, part in zip(on.models[-1].motions, on.parts, strict=True):
-        filters = on.models[-1].filters
+    for along, part in zip(on.rows.after.motions, on.parts, strict=True):
         rows = slice(first, first + filters.count(len(along.t)))
         first = rows.stop
         begin = float(part.recording.t[0] - part.data.t[0])

@@ -1,8 +1,8 @@
-"""Rivals that the data like as well as what is named, and that only the prior holds down.
+"""Rivals that fit the data as well as a name does, and are less probable by the prior alone.
 
 Friction is expected of every motor, a constant offset of few. Where the data cannot tell them apart, because a joint
-moved one way only, the prior alone would make friction a name. So each name is held against every other law in its
-place with even prior odds. The answer is "A or B" if the Bayes factor is below 3 and the motion leaves the two alike.
+moved one way only, the prior alone would make friction a name. So each name is compared with every other law in its
+place at even prior odds. The answer is "A or B" if the Bayes factor is below 3 and the motion leaves the two alike.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from flexdyn.diagnose.report.suspects import ESTABLISHED
 def told_by_data(
     space: Space, masses: Masses, best: Set, named: Sequence[Name], stands_in: Callable[[int], bool]
 ) -> tuple[Name, ...]:
-    """Names with the rivals that the prior alone holds down.
+    """Names with the rivals that are less probable by the prior alone.
 
-    A law that contains the named one, or that it contains, is none: by convention the plainer one is told. Two names of
-    which the data want one, and do not say which, become one.
+    A law that contains the named one, or is contained in it, is no rival: by convention the plainer one is named. Two
+    names of which the data need one, but not both, become one name.
 
     Args:
         space: that compared the candidates.
@@ -55,7 +55,7 @@ def told_by_data(
 
 
 def _held_down(space: Space, masses: Masses, even: Mapping[Set, float], best: Set, name: Name) -> list[int]:
-    """Candidates that do as well in the place of a name, though fewer drives have them; the likeliest first.
+    """Candidates that fit as well in the place of a name, though fewer drives have them; the most likely first.
 
     No more than are needed to be certain of one of them where all are equally expected. Only laws without nonlinear
     numbers count: one that takes the shape that suits imitates too much.
@@ -87,7 +87,7 @@ def _held_down(space: Space, masses: Masses, even: Mapping[Set, float], best: Se
 
 
 def _either_of_two(space: Space, even: Mapping[Set, float], best: Set, name: Name, others: Sequence[int]) -> list[int]:
-    """Other names of the same set that are spare where this one is there, and the other way round; not both are."""
+    """Other names of the set: the data need this name or the other one, but not both."""
     nothing = -float("inf")
     bound, without = even[best] - EVEN_ODDS_WINDOW, even.get(best - {name.candidate}, nothing)
     found = []

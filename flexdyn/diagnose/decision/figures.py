@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from flexdyn.arrays import Flags
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.forces import Forces, are_prescribed, errors_of, recorded
 from flexdyn.diagnose.decision.gains import gains, shares
 from flexdyn.diagnose.decision.gaps import FIT_WINDOWS, Shots, shots, windows_of
-from flexdyn.diagnose.decision.held_out import HeldOut, held_out, rms
+from flexdyn.diagnose.decision.held_out import Rows, held_out, rms
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.decision.verdict import dependence, left
@@ -21,8 +21,6 @@ from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.report.measures import Gap, JointError, Left, ResidualPlace, Shares, SignalError
 
-Models = tuple[Equations, Equations, Equations]
-
 
 @dataclass(frozen=True, eq=False)
 class OnData:
@@ -30,14 +28,12 @@ class OnData:
 
     Attributes:
         parts: the data.
-        models: equations of the three models.
-        seen: rows that are not masked (rows of an equation, equations).
+        rows: of the equations of the three models.
         off: simulated windows; forces where a rig prescribes the motion; None: the data are too short for a window.
     """
 
     parts: Sequence[DataPart]
-    models: Models
-    seen: Flags
+    rows: Rows
     off: Shots | Forces | None
 
     @property
@@ -83,9 +79,10 @@ class OnFit(OnData):
     def calibration_alone(self, found: Corrected) -> tuple[Corrected, OnFit]:
         """The same where nothing is named: the corrected model is the calibrated one."""
         made = dataclasses.replace(self.made, hypothesis=self.calibrated)
-        given, between, _ = self.models
+        given, between, _ = self.rows.models
+        rows = dataclasses.replace(self.rows, models=(given, between, between))
         off = None if self.off is None else self.off.alone()
-        alone = dataclasses.replace(self, models=(given, between, between), off=off, left=self.where)
+        alone = dataclasses.replace(self, rows=rows, off=off, left=self.where)
         return dataclasses.replace(found, fitted=made, names=()), alone
 
 
@@ -111,15 +108,14 @@ def on_fit(plain: Workspace, made: Fit, found: Corrected, parts: Sequence[DataPa
     elif are_prescribed(parts):
         errors = errors_of([at.of(each.seen()) for each in either])
         nearer = int(errors[1] <= errors[0])
-    three = (at, at.of(either[nearer].seen()), after)
-    seen = ~plain.whiten.mask
-    forces = Forces.of(three, lambda x: plain.white(x)[: len(seen)][seen]) if are_prescribed(parts) else off
-    where, left = (_places(plain, each) for each in three[1:])
-    return OnFit(parts, three, seen.reshape(-1, len(at.kinds)), forces, either[nearer], made, where, left)
+    rows = Rows((at, at.of(either[nearer].seen()), after), plain.noise, plain.whiten)
+    where, left = (_places(plain, each) for each in rows.models[1:])
+    forces = Forces.of(rows) if are_prescribed(parts) else off
+    return OnFit(parts, rows, forces, either[nearer], made, where, left)
 
 
 def _places(plain: Workspace, at: Equations) -> tuple[ResidualPlace, ...]:
-    """Where a model's residual is more than noise; offsets of the encoders are allowed for."""
+    """Where a model's residual is more than noise, apart from offsets of the encoders."""
     found = localise(at, plain.white(at.residual), plain.whiten.mask)
     return tuple(ResidualPlace(each.joint, each.side, each.share, each.regime) for each in found)
 
@@ -129,14 +125,12 @@ class OnTest(OnData):
     """On the test data, opened once.
 
     Attributes:
-        rows: of the equations.
         errors: by joint.
         left: what the corrected model leaves.
         gains: share of the gap that each named candidate removes.
         shares: of the gap, which add up; None: all rows are masked.
     """
 
-    rows: HeldOut
     errors: dict[str, JointError]
     left: tuple[Left, ...]
     gains: dict[int, float]
@@ -155,33 +149,32 @@ def on_test(
         named: the names that are reported.
         parts: the test data.
     """
-    here, calibrated = found.hypothesis, first.calibrated.seen()
-    rows = held_out(plain.equations, here, tuple(each.data for each in parts))
-    models = (rows.given, rows.given.of(calibrated), rows.after)
+    here, calibrated = found.hypothesis, first.calibrated
+    rows = held_out(plain.equations, calibrated, here, tuple(each.data for each in parts))
     windows = windows_of(here.given, parts, rows.noise)
-    off: Shots | Forces | None = None
-    if windows is not None:
-        off = Shots(*shots([here.given, calibrated, here.seen()], windows))
-    elif are_prescribed(parts):
-        off = Forces.of(models, lambda x: rows.whiten(x).reshape(rows.seen.shape)[rows.seen])
-    gone = gains(rows, first.calibrated, found, named)
-    parted, errors = shares(rows, found, named, gone), _errors(rows, models, off if isinstance(off, Shots) else None)
-    return OnTest(parts, models, rows.seen, off, rows, errors, left(rows, dependence(first.left)), gone, parted)
+    over = None if windows is None else Shots(*shots([here.given, calibrated.seen(), here.seen()], windows))
+    off = Forces.of(rows) if are_prescribed(parts) else over
+    gone = gains(rows, found, named)
+    remaining = left(rows, dependence(first.left))
+    return OnTest(parts, rows, off, _errors(rows, over), remaining, gone, shares(rows, found, named, gone))
 
 
-def _errors(rows: HeldOut, models: Models, over: Shots | None) -> dict[str, JointError]:
+def _errors(rows: Rows, over: Shots | None) -> dict[str, JointError]:
     """Errors of torques and positions of every joint."""
     found, robot = {}, rows.given.true.robot
-    between = dataclasses.replace(rows, after=models[1])
     for j, joint in enumerate(rows.given.true.joint_names):
-        before, after, recorded_torque = (rms(x) for x in rows.torque(j))
-        apart = (float("nan"),) * 3 if over is None else over.position(joint)
-        torque_unit, size = robot.torque_unit(joint), max(recorded_torque, 1e-12)
-        torque = SignalError(before, after, torque_unit, rms(between.torque(j)[1]), size)
-        position = SignalError(apart[0], apart[2], robot.angle_unit(joint), apart[1])
+        off, recorded_torque = rows.torque(j)
+        unit = robot.torque_unit(joint)
+        torque = _signal([rms(each) for each in off], unit, max(rms(recorded_torque), 1e-12))
+        position = _signal([math.nan] * 3 if over is None else over.position(joint), robot.angle_unit(joint))
         force = None
         if rows.given.data[0].forced[j]:
-            off = errors_of(models, j)
-            force = SignalError(off[0], off[2], torque_unit, off[1], recorded(rows.given, j))
+            force = _signal(errors_of(rows.models, j), unit, recorded(rows.given, j))
         found[joint] = JointError(torque, position, () if over is None else over.scaled(joint), force)
     return found
+
+
+def _signal(off: Sequence[float], unit: str, size: float = 0.0) -> SignalError:
+    """Errors by the model as given, calibrated and corrected."""
+    before, calibrated, after = off
+    return SignalError(before, after, unit, calibrated, size)

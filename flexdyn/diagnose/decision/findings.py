@@ -1,4 +1,4 @@
-"""What is named, with its numbers, its evidence and its experiment; numbers of the file that were calibrated."""
+"""Findings, with their numbers, evidence and experiments; numbers of the file that were calibrated."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from flexdyn.diagnose.decision.corrected import Corrected, effect_of, needed
 from flexdyn.diagnose.decision.gains import in_order
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.suspects import numbers_of, suspect_of
-from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.experiment.design import with_experiment
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
@@ -20,6 +19,7 @@ from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Suspect
+from flexdyn.diagnose.report.words import effect_name, joined
 from flexdyn.effects import Effect, SensorEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber
@@ -45,11 +45,11 @@ def findings(
 
 
 def reported_names(found: Corrected) -> list[Name]:
-    """Names without what is no finding, and with numbers that are surely beyond their tolerance unnamed.
+    """The names that are findings, and numbers without a name that are certainly beyond their tolerance.
 
-    No findings are numbers that came back into their tolerance, and lags of torques within one sample. Numbers without
-    a name are told only where the equations leave no more than noise by themselves: else one may do the work of
-    something that has no name.
+    Numbers that came back into their tolerance, and lags of torques within one sample, are no findings. Numbers without
+    a name are added only where the equations leave noise alone: otherwise such a number may imitate an effect that has
+    no name.
     """
     own = [each for each in found.names if (n := found.candidates[each.candidate].number) is None or _beyond(found, n)]
     own = [each for each in own if not _is_within_a_sample(found, found.effect(each.candidate))]
@@ -105,7 +105,7 @@ def _finding(model: FlexibleJointModel, found: Corrected, name: Name, gains: Map
 def _numbers(
     model: FlexibleJointModel, candidate: Candidate, here: Hypothesis | None, made: Fit | None = None
 ) -> dict[str, Number]:
-    """Of a candidate in a hypothesis; their standard deviations are those of its fit, or not known."""
+    """Numbers of a candidate in a hypothesis, with the standard deviations of its fit, if there is one."""
     if here is None:
         return {}
     if candidate.number is not None:
@@ -132,15 +132,14 @@ def calibration(found: Corrected, named: Sequence[Name]) -> tuple[Calibration, .
 
 
 def _experiment(suspect: Suspect, others: Sequence[Suspect], *, on_a_rig: bool) -> str:
-    """What would be seen differently: the regimes in which laws part; on a rig, those that can be set there."""
-    names = " or ".join(dict.fromkeys(each.effect.replace("_", " ") for each in (suspect, *others)))
+    """General advice: motions in which laws differ; on a rig, those that can be set there."""
+    names = joined(list(dict.fromkeys(effect_name(each.effect) for each in (suspect, *others))))
     joint = suspect.joint or "the arm"
     if on_a_rig:
         return (
-            f"to tell {names} apart, record {joint} on the rig with amplitudes from a tenth of today's to the largest "
-            "that it allows, since laws that take up the motion before they slip differ most where it is small; at a "
-            "tenth and at twice the speed, since what depends on speed changes with it; and with another preload, if "
-            "it can be set"
+            f"to tell {names} apart, record {joint} on the rig: with amplitudes from a tenth of today's to the largest "
+            "that it allows, because laws that deflect before they slip differ most at small amplitudes; at a tenth "
+            "and at twice the speed, because some laws depend on speed; and with another preload, if it can be set"
         )
     return (
         f"to tell {names} apart, move {joint} slowly through its range at several constant speeds in both directions, "
@@ -148,16 +147,13 @@ def _experiment(suspect: Suspect, others: Sequence[Suspect], *, on_a_rig: bool) 
     )
 
 
-def with_experiments(
-    findings: Sequence[Finding], found: Corrected, named: Sequence[Name], noise: SampleNoise
-) -> tuple[Finding, ...]:
+def with_experiments(findings: Sequence[Finding], found: Corrected, named: Sequence[Name]) -> tuple[Finding, ...]:
     """Findings with rivals, each with the motion that separates them in simulation.
 
     Args:
         findings: those that are reported.
         found: the corrected model.
         named: what the findings are of, in any order.
-        noise: of the channels.
     """
     if found.space.library.equations.data[0].forced.any():  # motions of an arm by its own motors are no test of a rig
         return tuple(findings)
@@ -165,14 +161,14 @@ def with_experiments(
     names = {suspect_of(model, found.candidates[each.candidate]).key: each for each in named}
     made = []
     for finding in findings:
-        fits = _rivals(found, names[finding.suspect.key]) if finding.rivals else []
-        whole = len(fits) == len(finding.rivals)
-        made.append(with_experiment(finding, found.fitted, fits, found.fitted.space, noise) if whole else finding)
+        fits = _rivals(found, names[finding.suspect.key])
+        whole = fits and len(fits) == len(finding.rivals)
+        made.append(with_experiment(finding, found.fitted, fits) if whole else finding)
     return tuple(made)
 
 
 def _rivals(found: Corrected, name: Name) -> list[Fit]:
-    """Fits with each rival in the place of the named candidate; those that make no sense are left out."""
+    """Fits with each rival in the place of the named candidate; without those that are not possible."""
     starts = (_in_place(found, rival, name.candidate) for rival in name.rivals)
     return [fit(each, found.fitted.space, steps=RIVAL_STEPS) for each in starts if each is not None]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,13 +10,13 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.held_out import rms
+from flexdyn.diagnose.decision.held_out import Rows, rms
 from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.diagnose.report.measures import Gap
-from flexdyn.diagnose.report.trace import ForceLoop
+from flexdyn.diagnose.report.trace import MOST_LOOP_POINTS, ForceLoop
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
@@ -40,9 +40,9 @@ class Forces:
     errors: tuple[float, float, float]
 
     @classmethod
-    def of(cls, models: Sequence[Equations], white: Callable[[Array], Array]) -> Forces:
-        """Of equations of the three models, and how their residuals become white rows."""
-        (before, calibrated, after), off = (white(at.residual) for at in models), errors_of(models)
+    def of(cls, rows: Rows) -> Forces:
+        """Of the equations of the three models."""
+        (before, calibrated, after), off = (rows.white(at)[rows.seen] for at in rows.models), errors_of(rows.models)
         return cls(before, calibrated, after, (off[0], off[1], off[2]))
 
     @property
@@ -105,8 +105,10 @@ def loops(models: Sequence[Equations], parts: Sequence[DataPart]) -> tuple[Force
             along = [each.motions[k] for each in models]
             simulated = [a.tau[:, j] - left(each, a, j) for each, a in zip(models, along, strict=True)]
             columns = (along[0].theta[:, j], along[0].omega[:, j], along[0].tau[:, j], simulated[0], simulated[-1])
+            every = max(1, -(-len(columns[0]) // MOST_LOOP_POINTS))
             units = (robot.angle_unit(joint), robot.torque_unit(joint))
-            found.append(ForceLoop.thinned(joint, part.recording.name, part.role, units, np.stack(columns)))
+            drawn = np.stack([column[::every] for column in columns])
+            found.append(ForceLoop(joint, part.recording.name, part.role, units, drawn))
     return tuple(found)
 
 

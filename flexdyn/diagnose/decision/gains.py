@@ -6,17 +6,14 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from flexdyn.diagnose.decision.corrected import Corrected
-from flexdyn.diagnose.decision.held_out import HeldOut
+from flexdyn.diagnose.decision.held_out import Rows, rms
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.report.measures import Shares
 
 
-def gains(rows: HeldOut, calibrated: Hypothesis, found: Corrected, named: Sequence[Name]) -> dict[int, float]:
-    """Share of the gap on the test data that each name removes, at most 1.
+def gains(rows: Rows, found: Corrected, named: Sequence[Name]) -> dict[int, float]:
+    """Share of the gap on the test data that each name removes, at most 1; NaN where all rows are masked.
 
     The residual of the equations is used, because windows would have to be simulated again for every name. A name is
     left out of the corrected model with all other numbers as they are. So the shares of effects that could replace one
@@ -24,23 +21,17 @@ def gains(rows: HeldOut, calibrated: Hypothesis, found: Corrected, named: Sequen
 
     Args:
         rows: over the test data.
-        calibrated: the model with the file's numbers alone.
         found: the corrected model.
         named: the names that are reported.
     """
-
-    def off(hypothesis: Hypothesis | None) -> float:
-        white = rows.white(hypothesis)[rows.seen]
-        return float(np.sqrt((white**2).mean())) if len(white) else np.nan
-
-    after, before = off(None), off(calibrated)
-    if not np.isfinite(before - after):  # all rows are masked
-        return {each.candidate: np.nan for each in named}
+    _, before, after = (rms(rows.white(at)[rows.seen]) for at in rows.models)
     whole = max(before - min(after, 1.0), 1e-9)
-    return {each.candidate: min(1.0, (off(found.without(each.candidate)) - after) / whole) for each in named}
+    without = {c: rows.of_hypothesis(found.without(c)) for c in (each.candidate for each in named)}
+    gain = {c: (rms(rows.white(at)[rows.seen]) - after) / whole for c, at in without.items()}
+    return {c: min(1.0, each) if math.isfinite(before - after) else math.nan for c, each in gain.items()}
 
 
-def shares(rows: HeldOut, found: Corrected, named: Sequence[Name], gain: Mapping[int, float]) -> Shares | None:
+def shares(rows: Rows, found: Corrected, named: Sequence[Name], gain: Mapping[int, float]) -> Shares | None:
     """Shares of the gap on the test data that add up: names are added one after the other, in the order of their gain.
 
     Args:
@@ -53,16 +44,13 @@ def shares(rows: HeldOut, found: Corrected, named: Sequence[Name], gain: Mapping
         None where all rows are masked.
     """
     order = in_order([each.candidate for each in named], gain)
-    models = [found.hypothesis.given, *(found.without(*order[k:]).seen() for k in range(len(order) + 1))]
-    power = []
-    for model in models:
-        white = rows.whiten(rows.given.of(model).residual).reshape(rows.seen.shape)[rows.seen]
-        power.append(float((white**2).sum()))
+    steps = (rows.of_hypothesis(found.without(*order[k:])) for k in range(len(order)))
+    power = [float((rows.white(at)[rows.seen] ** 2).sum()) for at in (rows.given, *steps, rows.after)]
     count = int(rows.seen.sum())
     if not count or not power[0] > 0.0:
         return None
-    steps = [(one - other) / power[0] for one, other in itertools.pairwise(power)]
-    return Shares(steps[0], tuple(steps[1:]), power[-1] / power[0], count / power[0])
+    gone = [(one - other) / power[0] for one, other in itertools.pairwise(power)]
+    return Shares(gone[0], tuple(gone[1:]), power[-1] / power[0], count / power[0])
 
 
 def in_order(candidates: Sequence[int], gain: Mapping[int, float]) -> list[int]:

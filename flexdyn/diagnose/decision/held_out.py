@@ -1,4 +1,4 @@
-"""The equations over data, as a rule the test data, under the model as given and corrected."""
+"""The equations over data, as a rule the test data, by the model as given, calibrated and corrected."""
 
 from __future__ import annotations
 
@@ -20,22 +20,32 @@ from flexdyn.diagnose.hypothesis.workspace import recorded_noise
 from flexdyn.errors import InputError
 from flexdyn.records.signals.decimate import CLOCK_JITTER
 
+Models = tuple[Equations, Equations, Equations]
+
 
 @dataclass(frozen=True, eq=False)
-class HeldOut:
-    """Rows of the equations over data that took no part in a fit.
+class Rows:
+    """Rows of the equations by the model as given, calibrated and corrected.
 
     Attributes:
-        given: of the model as given.
-        after: of the corrected model.
-        noise: of the channels, as these data show it.
-        whiten: by that noise, under the corrected model.
+        models: equations of the three models over the same data.
+        noise: of the channels.
+        whiten: by that noise.
     """
 
-    given: Equations
-    after: Equations
+    models: Models
     noise: SampleNoise
     whiten: Whitener
+
+    @property
+    def given(self) -> Equations:
+        """Equations of the model as given."""
+        return self.models[0]
+
+    @property
+    def after(self) -> Equations:
+        """Equations of the corrected model."""
+        return self.models[2]
 
     @property
     def seen(self) -> Flags:
@@ -47,21 +57,24 @@ class HeldOut:
         """Variance of the rows from noise (rows of an equation, equations)."""
         return np.asarray((self.whiten.factor**2).sum(axis=1).reshape(self.seen.shape))
 
-    def white(self, hypothesis: Hypothesis | None = None) -> Array:
-        """White rows of a hypothesis; None: of the corrected model (rows of an equation, equations)."""
-        at = self.after if hypothesis is None else self.given.of(hypothesis.seen())
+    def white(self, at: Equations) -> Array:
+        """White rows of a model (rows of an equation, equations)."""
         return self.whiten(at.residual).reshape(self.seen.shape)
 
-    def torque(self, j: int) -> tuple[Array, Array, Array]:
-        """Torque that the inverse dynamics do not explain, before and after, and the recorded one (rows,).
+    def of_hypothesis(self, hypothesis: Hypothesis) -> Equations:
+        """Equations of another model over the same data."""
+        return self.given.of(hypothesis.seen())
+
+    def torque(self, j: int) -> tuple[list[Array], Array]:
+        """Torque that the inverse dynamics of each model do not explain, and the recorded one (rows,).
 
         Of an elastic joint with both encoders it is the sum of the motor's equation and the link's: the spring's torque
         stands in both and drops out. Masked rows are left out.
         """
-        (before, own), (after, _) = (summed(at, j) for at in (self.given, self.after))
-        clear = self.seen[:, own].all(axis=1)
-        recorded = [along.tau[at.filters.instants(len(along.t)), j] for at in (self.after,) for along in at.motions]
-        return before[clear], after[clear], np.concatenate(recorded)[clear]
+        left, at = [summed(each, j) for each in self.models], self.after
+        clear = self.seen[:, left[0][1]].all(axis=1)
+        recorded = [along.tau[at.filters.instants(len(along.t)), j] for along in at.motions]
+        return [off[clear] for off, _ in left], np.concatenate(recorded)[clear]
 
 
 def summed(at: Equations, j: int) -> tuple[Array, list[int]]:
@@ -72,30 +85,30 @@ def summed(at: Equations, j: int) -> tuple[Array, list[int]]:
     return np.asarray(sum(rows[:, k] * units.get(at.kinds[k][1], 1.0) for k in own)), own
 
 
-def held_out(equations: Equations, hypothesis: Hypothesis, data: tuple[Measured, ...]) -> HeldOut:
-    """The equations over test data.
+def held_out(equations: Equations, calibrated: Hypothesis, corrected: Hypothesis, data: tuple[Measured, ...]) -> Rows:
+    """Rows of the test data.
 
     Args:
         equations: of the model as given over the data of the fit, whose filters are taken.
-        hypothesis: the corrected model.
-        data: to test it on.
+        calibrated: the model with the file's numbers alone.
+        corrected: the corrected model.
+        data: the test data.
 
     Raises:
-        InputError: it is shorter than the filters.
+        InputError: they are shorter than the filters.
     """
-    filters = _filters(equations, data[0].dt)
-    given = dataclasses.replace(equations, data=data, filters=filters)
+    given = dataclasses.replace(equations, data=data, filters=_filters(equations, data[0].dt))
     if not given.residual.size:
         samples = max(len(each.t) for each in data)
         remedy = "keep more apart (check, hold_out), or record faster"
         raise InputError("the test data are shorter than the filters", key="check", value=f"{samples} samples at"
                          f" {1.0 / data[0].dt:.4g} Hz", remedy=remedy)  # fmt: skip
-    after = given.of(hypothesis.seen())
+    between, after = (given.of(each.seen()) for each in (calibrated, corrected))
     recorded = recorded_noise(data)
     mask = _mask(given, after, recorded)
     left = torque_noise(after, after.residual, mask, recorded)
     noise = dataclasses.replace(recorded, tau=np.maximum(np.minimum(left, recorded.tau), 1e-12))
-    return HeldOut(given, after, noise, whitener(after, noise, mask))
+    return Rows((given, between, after), noise, whitener(after, noise, mask))
 
 
 def _mask(given: Equations, after: Equations, noise: SampleNoise) -> Flags:
@@ -110,7 +123,7 @@ def _mask(given: Equations, after: Equations, noise: SampleNoise) -> Flags:
 
 
 def _filters(equations: Equations, dt: float) -> Filters:
-    """Those of the fit; at another rate some of the same width."""
+    """Filters of the fit; at another rate, filters of the same width."""
     own = equations.data[0].dt
     if abs(dt - own) <= CLOCK_JITTER * own:
         return equations.filters

@@ -9,11 +9,12 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.decision.corrected import Corrected
+from flexdyn.diagnose.decision.held_out import Rows
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, SENSOR, TRANSMISSION
 from flexdyn.diagnose.equations.localise import SIDES
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.report.trace import ResidualTrace
 from flexdyn.diagnose.report.words import capital, effect_name
 
@@ -27,9 +28,7 @@ LAW_POINTS = 240
 """Points of a drawn law."""
 
 
-def laws_seen(
-    before: Equations, after: Equations, whiten: Whitener, found: Corrected, named: Sequence[Name]
-) -> tuple[ResidualTrace, ...]:
+def laws_seen(rows: Rows, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
     """A picture of every name, in the equation in which its law does most.
 
     Before is the corrected model without this one effect, after is the corrected model (a partial residual plot:
@@ -37,36 +36,32 @@ def laws_seen(
     motion; it is drawn over the quantity that explains most of its variance.
 
     Args:
-        before: equations of the model as given.
-        after: of the corrected model, over the same recordings.
-        whiten: by the sensors' noise.
+        rows: over the data of the fit.
         found: the corrected model.
         named: the names that are reported.
     """
-    whole = float((whiten(before.residual) ** 2).sum())
-    pictures = []
-    for name in named:
-        without = before.of(found.without(name.candidate).seen())
-        made = _picture(without, after, whiten, found.candidates[name.candidate].kind)
-        if made is not None:
-            trace, gone = made
-            pictures.append(dataclasses.replace(trace, explains=gone / max(whole, 1e-300)))
-    return tuple(pictures)
+    made = (_picture(rows, found.without(each.candidate), found.candidates[each.candidate].kind) for each in named)
+    return tuple(each for each in made if each is not None)
 
 
-def _picture(without: Equations, after: Equations, whiten: Whitener, kind: str) -> tuple[ResidualTrace, float] | None:
-    many = len(after.kinds)
+def _picture(rows: Rows, rest: Hypothesis, kind: str) -> ResidualTrace | None:
+    """Of one law; None: it does nothing here, or too few rows show it.
+
+    Args:
+        rows: over the data of the fit.
+        rest: the corrected model without the law.
+        kind: name of its effect.
+    """
+    without, after, shape = rows.of_hypothesis(rest), rows.after, rows.seen.shape
     law = without.residual - after.residual
-    power = (whiten(law).reshape(-1, many) ** 2).sum(axis=0)
-    if not power.any():
-        return None
+    power = (rows.whiten(law).reshape(shape) ** 2).sum(axis=0)
     k = int(power.argmax())
-    clear = ~whiten.mask.reshape(-1, many)[:, k]
-    rows, left = law.reshape(-1, many)[clear, k], after.residual.reshape(-1, many)[clear, k]
-    if len(rows) < 2 * LAW_BINS:
+    clear = rows.seen[:, k]
+    own, left = law.reshape(shape)[clear, k], after.residual.reshape(shape)[clear, k]
+    if not power.any() or len(own) < 2 * LAW_BINS:
         return None
     known = [(label, values[clear]) for label, values in _quantities(after, k)]
-    shares = [_share(values, rows) for _, values in known]
+    shares = [_share(values, own) for _, values in known]
     best = next(place for place, share in enumerate(shares) if share >= max(shares) - EQUAL_SHARE_DIFFERENCE)
     label, x = known[best]
     curve = shares[best] >= CURVE_VARIANCE_SHARE
@@ -75,10 +70,11 @@ def _picture(without: Equations, after: Equations, whiten: Whitener, kind: str) 
     joint, robot = after.true.joint_names[j], after.true.robot
     unit = robot.angle_unit(joint) if side == TRANSMISSION else robot.torque_unit(joint)
     trace = ResidualTrace.thinned(
-        f"{capital(effect_name(kind))}: {joint}, {SIDES[side]}", label, f"residual [{unit}]", x, rows + left, left
+        f"{capital(effect_name(kind))}: {joint}, {SIDES[side]}", label, f"residual [{unit}]", x, own + left, left
     )
-    gone = float((whiten(without.residual) ** 2).sum() - (whiten(after.residual) ** 2).sum())
-    return dataclasses.replace(trace, law=_line(x, rows, LAW_POINTS if curve else LAW_BINS), note=note), gone
+    whole, more, less = (float((rows.white(at) ** 2).sum()) for at in (rows.given, without, after))
+    line = _line(x, own, LAW_POINTS if curve else LAW_BINS)
+    return dataclasses.replace(trace, law=line, note=note, explains=(more - less) / max(whole, 1e-300))
 
 
 def _quantities(at: Equations, k: int) -> list[tuple[str, Array]]:

@@ -26,7 +26,7 @@ FARTHEST_NUMBERS_TOLD = 3
 their standard deviations."""
 CORRELATION_TOLD, MOST_CORRELATIONS = 0.1, 40
 """Correlations that are reported: not below the first number [1], and at most the second one."""
-UNSETTLED = "The search was stopped while its last linearisation still changed the most probable structure."
+UNSETTLED = "The search did not settle: its last linearisation still changed the most probable structure."
 METHOD = "Gauss-Newton, weighted by noise and model error, with the stated tolerances as priors"
 
 
@@ -57,22 +57,24 @@ def _of_unknown(found: Corrected) -> Iterator[str]:
 
 
 def _of_priors(found: Corrected) -> Iterator[str]:
-    """Names that come first because of what is expected of drives, not because of these data."""
+    """Names that stand first because of the prior, and not because of these data."""
     model = found.hypothesis.given
     for name in found.names:
         if name.held_down:
             first = suspect_phrase(model, suspect_of(model, found.candidates[name.candidate]))
             others = [suspect_phrase(model, suspect_of(model, found.candidates[c])) for c in name.held_down]
             yield (
-                f"{capital(' or '.join(others))} would fit these data about as well as {first}: the probabilities"
-                " differ by the prior alone, what is expected of drives. The experiment of this finding would tell."
+                f"{capital(' or '.join(others))} would fit these data about as well as {first}. Their probabilities"
+                " differ by the prior alone: what is expected of drives. The experiment of this finding separates them."
             )
 
 
 def _of_torques(found: Corrected) -> Iterator[str]:
     for each in lags_within_a_sample(found):
-        late = f"{each.channel} comes {1e3 * each.lateness:.3g} ms late, by less than a sample"
-        yield f"{late}: it was sampled rather than held, or read late in its sample; that is no finding"
+        yield (
+            f"{each.channel} lags by {1e3 * each.lateness:.3g} ms, less than one sample. This is not a finding: the"
+            " torque was sampled rather than held, or read late within its sample."
+        )
 
 
 def _of_channels(compared: Posterior) -> Iterator[str]:
@@ -80,9 +82,9 @@ def _of_channels(compared: Posterior) -> Iterator[str]:
     data, model = equations.data[0], compared.fitted.hypothesis.given
     for j, joint in enumerate(model.joint_names):
         if model.elastic[j] and not data.has_q[j]:
-            yield f"{joint}: no link encoder, only the spring separates friction on the link from friction on the motor"
+            yield f"{joint} has no link encoder: only its spring separates friction on link and motor."
         if model.elastic[j] and not data.has_theta[j]:
-            yield f"{joint}: no motor encoder, so the motion of the rotor is seen through the spring alone"
+            yield f"{joint} has no motor encoder: the motion of its rotor is seen through the spring alone."
 
 
 def number_words(here: Hypothesis) -> list[str]:
@@ -106,7 +108,7 @@ def stopped(made: Fit) -> tuple[str, ...]:
 
 
 def statistics(made: Fit) -> Statistics:
-    """Of the corrected model's fit.
+    """Statistics of the corrected model's fit.
 
     Args:
         made: the fit; its correlations are those of the last linear problem.

@@ -15,7 +15,7 @@ from flexdyn.diagnose.decision.split import checked_blocks, parts, without_block
 from flexdyn.diagnose.equations.sanity import check_recordings
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
 from flexdyn.diagnose.hypothesis.workspace import prepared, recorded_noise, weighed
-from flexdyn.diagnose.progress import Course, know, tell
+from flexdyn.diagnose.progress import STAGES, Course, know, tell
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
 from flexdyn.effects import registered
 from flexdyn.errors import InputError, did_you_mean
@@ -24,11 +24,6 @@ from flexdyn.records import Recording
 from flexdyn.records.given import as_recordings
 from flexdyn.records.signals.gaps import apart_at_gaps
 from flexdyn.simulation.electrical import with_asked_torque
-
-COMPARED_PROGRESS = 0.65
-"""Share of the work after which the structures have been compared, as a rule [1]."""
-STAGES = ("reading the equations", "comparing structures", "simulating windows", "opening the test data",
-          "designing experiments")  # fmt: skip
 
 
 def diagnose(
@@ -127,7 +122,7 @@ def _diagnosed(
     from flexdyn.diagnose.decision.refitted import share_in_forces
     from flexdyn.diagnose.inference.passes import posterior
 
-    _say(STAGES[0], 0.0)
+    tell(STAGES[0], 0.0)
     given = model
     fit, check = (
         [with_lagging_current(model, with_asked_torque(model, each)) for each in some] for some in (fit, check)
@@ -138,24 +133,14 @@ def _diagnosed(
     notes = (*said, *check_recordings(model, data), *advice(model, data))
     know(fitted=fitted, notes=notes, noise=recorded_noise(data))
     bare, noise, start = prepared(model, data)
-    _say(STAGES[1], 0.05)
+    tell(STAGES[1], 0.05)
     compared = dataclasses.replace(posterior(bare, noise, start), expected=expect)
     plain = weighed(bare, compared.noise, compared.fitted.space.whiten.mask)
     by_fits = functools.partial(share_in_forces, compared) if bare.equations.replayed.any() else None
     found = corrected(compared, plain, by_fits)
     know(found=found, noise=compared.noise)
-    answer = concluded(plain, start, compared, found, (fitted, test), _after_comparison)
+    answer = concluded(plain, start, compared, found, (fitted, test))
     return _finished(answer, notes, began, given)
-
-
-def _after_comparison(stage: str, share: float) -> None:
-    _say(stage, COMPARED_PROGRESS + (1.0 - COMPARED_PROGRESS) * share)
-
-
-def _say(stage: str, share: float) -> None:
-    """A stage with its number, where it has one."""
-    place = f" ({STAGES.index(stage) + 1} of {len(STAGES)})" if stage in STAGES else ""
-    tell(f"{stage}{place}", share)
 
 
 def _known(model: FlexibleJointModel, course: Course, began: float) -> Diagnosis | None:

@@ -20,7 +20,7 @@ SIDES = dict.fromkeys(("rotor_inertia", *OF_MOTOR), "motor") | dict.fromkeys(("s
 """Where a number of a joint acts; one of an effect acts on the effect's own side."""
 RANKED = 20
 """Largest number of structures in the report."""
-FAR = "It was compared as an addition to the most probable structure alone, where it was far too improbable to go on."
+FAR = "It was compared only as an addition to the most probable structure, and was far too improbable there."
 
 
 def suspect_of(

@@ -10,7 +10,7 @@ import numpy as np
 
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.decision.gaps import Shots
-from flexdyn.diagnose.decision.held_out import HeldOut, rms
+from flexdyn.diagnose.decision.held_out import Rows, rms
 from flexdyn.diagnose.equations.layout import LINK, TRANSMISSION
 from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.report.measures import Left, ResidualPlace
@@ -51,17 +51,17 @@ def verdict(*, named: bool, noise: bool, converged: bool) -> Verdict:
     return "partly_explained" if named else "unexplained"
 
 
-def left(rows: HeldOut, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Left, ...]:
+def left(rows: Rows, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Left, ...]:
     """Of every joint that leaves more than noise and 1 % of its torque, the largest share first.
 
     The mean square of the rows in torque, less that of noise; of a joint with two equations that one which
     leaves more. It counts only where the white rows are beyond chance, and beyond what is unknown of the noise.
 
     Args:
-        rows: over the test data.
+        rows: as a rule over the test data.
         depends_on: by joint, quantities that it is known to change with.
     """
-    at, seen, white = rows.after, rows.seen, rows.white()
+    at, seen, white = rows.after, rows.seen, rows.white(rows.after)
     residual, variance = at.residual.reshape(seen.shape), rows.variance
     found: dict[str, Left] = {}
     for k, (j, kind) in enumerate(at.kinds):
@@ -73,7 +73,7 @@ def left(rows: HeldOut, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Left
         power = float((residual[clear, k] ** 2 - variance[clear, k]).mean())
         if beyond <= max(CHANCE_ROOM * np.sqrt(2.0 / clear.sum()), NOISE_LEVEL_ERROR) or power <= 0.0:
             continue
-        share = float(unit * np.sqrt(power)) / max(rms(rows.torque(j)[2]), 1e-12)
+        share = float(unit * np.sqrt(power)) / max(rms(rows.torque(j)[1]), 1e-12)
         if share >= LEFT_TORQUE_SHARE and (joint not in found or share > found[joint].share_of_torque):
             time = _alike(white[:, k], clear) * at.filters.every * at.data[0].dt
             found[joint] = Left(joint, share, time, depends_on.get(joint, ()))

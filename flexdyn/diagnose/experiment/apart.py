@@ -10,7 +10,6 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
@@ -46,10 +45,15 @@ class Known:
         whole = np.vstack([rows.X, np.diag(1.0 / rows.sigma)])
         return cls(fitted, np.asarray(np.linalg.qr(whole, mode="r")) / np.sqrt(max(1.0, fitted.reduced)))
 
-    def with_load(self, load: Payload | None) -> Hypothesis:
-        """The hypothesis for an arm with a known payload."""
-        here = self.fitted.hypothesis
-        return dataclasses.replace(here, given=loaded(here.given, load))
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """With the fitted numbers."""
+        return self.fitted.hypothesis
+
+    def loaded(self, load: Payload) -> Known:
+        """The same of the arm with a known payload."""
+        hypothesis = dataclasses.replace(self.hypothesis, given=with_load(self.hypothesis.given, load))
+        return Known(dataclasses.replace(self.fitted, hypothesis=hypothesis), self.root)
 
     def marginal(self, count: int) -> Array:
         """The root for the first numbers (count, count), with the others free."""
@@ -97,33 +101,29 @@ def _lengths(X: Array) -> Array:
     return np.where(length > 0.0, length, 1.0)
 
 
-def loaded(model: FlexibleJointModel, load: Payload | None) -> FlexibleJointModel:
+def with_load(model: FlexibleJointModel, load: Payload) -> FlexibleJointModel:
     """The model of an arm with a known payload."""
-    return model if load is None else model.replace(effects=[*model.effects, load])
+    return model.replace(effects=[*model.effects, load])
 
 
-def space_along(
-    space: Workspace, numbers: Iterable[FileNumber], run: Measured, noise: SampleNoise, load: Payload | None = None
-) -> Workspace:
+def space_along(space: Workspace, numbers: Iterable[FileNumber], run: Measured) -> Workspace:
     """Equations along a simulated motion, with weights for the noise of a real recording.
 
     Args:
         space: of the recordings.
         numbers: of the file, which are fitted.
         run: the motion, without noise.
-        noise: of its channels.
-        load: that the arm carries.
     """
-    along = Equations(loaded(space.equations.model, load), (run,), space.equations.filters)
-    return dataclasses.replace(weighed(Unweighted.of(along, numbers), noise), beliefs=space.beliefs)
+    along = Equations(space.equations.model, (run,), space.equations.filters)
+    return dataclasses.replace(weighed(Unweighted.of(along, numbers), space.noise), beliefs=space.beliefs)
 
 
-def refitted(known: Known, space: Workspace, load: Payload | None = None, steps: int = NEW_MOTION_STEPS) -> Refit:
+def refitted(known: Known, space: Workspace, steps: int = NEW_MOTION_STEPS) -> Refit:
     """Fit a hypothesis to a motion, with the previous information about its numbers; the best of a few steps.
 
     The offsets of its encoders start at their values in the present recordings.
     """
-    first = known.with_load(load)
+    first = known.hypothesis
     offsets = {effect.channel: effect.offset for effect in first.counts}
     counted = space.nuisance @ np.array([offsets.get(name, 0.0) for name in space.channels])
     numbers, old = len(first.factors), np.array(known.fitted.scales)
@@ -150,35 +150,20 @@ def _distance(first: Hypothesis, now: Hypothesis, scales: Array) -> Array:
     return np.array([*factors, *((getattr(b, m) - getattr(a, k)) / s for (a, k), (b, m), s in pairs)])
 
 
-def as_made(shot: Shot) -> Refit:
-    """The residuals of the hypothesis that made the motion."""
-    white = shot.whitened().ravel()
-    return Refit(np.zeros((len(white), 1)), white, len(white))
-
-
-def windowed(known: Known, shot: Shot, load: Payload | None, worth: float) -> Refit:
-    """Fit another hypothesis to the windows of a motion, with the previous information about its numbers.
+def windowed(known: Known, shot: Shot, worth: float | None = None) -> Refit:
+    """A hypothesis over the windows of a motion, with the previous information about its numbers.
 
     Args:
         known: the hypothesis.
-        shot: the windows, with the hypothesis that made the motion.
-        load: payload of the arm.
-        worth: sum of squares below which neither its first states nor its numbers are fitted.
+        shot: the windows, simulated with the hypothesis that made the motion.
+        worth: sum of squares below which neither first states nor numbers are fitted; None: nothing is fitted.
     """
-    first = known.with_load(load)
-    scales = known.fitted.scales
-    white = shot.whitened(first.seen()).ravel()
-    if white @ white < worth:
+    here = known.hypothesis
+    white = shot.whitened(None if worth is None else here.seen()).ravel()
+    if worth is None or white @ white < worth:
         return Refit(np.zeros((len(white), 1)), white, len(white))
-    shot = shoot(first.seen(), shot.windows)
+    shot = shoot(here.seen(), shot.windows)
     white = shot.whitened().ravel()
-    J = slopes(first, shot, scales)
+    J = slopes(here, shot, known.fitted.scales)
     root = known.marginal(J.shape[1])
     return Refit(np.vstack([J, root]), np.concatenate([white, np.zeros(len(root))]), len(white))
-
-
-def hypothesis_of_refit(known: Known, refit: Refit, load: Payload | None) -> Hypothesis:
-    """The hypothesis with the numbers that a refit over windows gives it."""
-    first = known.with_load(load)
-    count = len(first.factors) + len(known.fitted.scales)
-    return moved(first, refit.step(), known.fitted.scales) if refit.X.shape[1] == count else first

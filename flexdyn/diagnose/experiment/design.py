@@ -3,31 +3,26 @@
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import itertools
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.abreast import abreast
-from flexdyn.diagnose.equations.covariance import SampleNoise
-from flexdyn.diagnose.experiment.apart import Known
+from flexdyn.diagnose.experiment.bench import RehearsalBench
 from flexdyn.diagnose.experiment.moves import VARIED_MOTIONS, PlannedMotion, moves, short
 from flexdyn.diagnose.experiment.plan import planned
-from flexdyn.diagnose.experiment.reach import Reach, load_mass
-from flexdyn.diagnose.experiment.rehearsal import Rehearsal, RehearsalBench
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.experiment.reach import load_mass
+from flexdyn.diagnose.experiment.rehearsal import CLEAR_DELTA_BIC, LONGEST_MOTION, Rehearsal
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.report.suspects import Experiment, Finding
 from flexdyn.diagnose.report.words import effect_name, is_number, suspect_phrase
 from flexdyn.errors import FlexdynError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-CLEAR_DELTA_BIC = 50.0
-"""Two laws are separated if the expected delta BIC is at least this [1]."""
 AMPLE_DELTA_BIC = 4.0 * CLEAR_DELTA_BIC
 """With at least this expected delta BIC, the remaining motions are not tried [1]."""
-LONGEST_MOTION = 120.0
-"""Longest time for which a motion is repeated [s]."""
 SAME_LAW_DELTA_BIC = 4.0
 """If the expected delta BIC in the longest time is below this, the laws count as the same [1]."""
 MOTIONS_TRIED = 12
@@ -43,37 +38,30 @@ FAILURES = (FlexdynError, ArithmeticError, ValueError)
 """Errors of a motion that cannot be simulated or evaluated."""
 
 
-def with_experiment(found: Finding, named: Fit, rivals: Sequence[Fit], space: Workspace, noise: SampleNoise) -> Finding:
+def with_experiment(found: Finding, named: Fit, rivals: Sequence[Fit]) -> Finding:
     """Add to a finding with rivals the experiment that would separate them, if there is one.
 
     Every motion is simulated with the named hypothesis. Then the rivals are fitted to this simulated recording, with
     the previous information about their numbers.
 
     Args:
-        found: with or without rivals.
+        found: with rivals.
         named: fit with the finding.
         rivals: fits with each rival instead of the finding.
-        space: of the recordings.
-        noise: of their channels.
     """
-    if not rivals:
-        return found
-    true = space.equations.true
+    model = named.space.equations.true
     try:
-        known = tuple(Known.of(each) for each in (named, *rivals))
-        calibrated = dataclasses.replace(named.hypothesis, effects=()).model()
-        bench = RehearsalBench(space, noise, known, Reach.of(space.equations, calibrated))
-        rehearsed = _tried(bench, _joints(true, found))
+        rehearsed = _tried(RehearsalBench.of([named, *rivals]), _joints(model, found))
     except FAILURES:
         return found
     if not rehearsed:
         return found
-    names = _names(true, found)
+    names = _names(model, found)
     chosen = _chosen(rehearsed)
     if chosen is None:
-        return dataclasses.replace(found, experiment=_nothing(names, rehearsed))
-    plan = planned(*chosen, names, bench)
-    return dataclasses.replace(found, experiment=_sentence(plan, names), plan=plan)
+        return replace(found, experiment=_nothing(names, rehearsed))
+    plan = planned(*chosen, names)
+    return replace(found, experiment=_sentence(plan, names), plan=plan)
 
 
 def _tried(bench: RehearsalBench, joints: Sequence[int]) -> list[Rehearsal]:
@@ -82,12 +70,12 @@ def _tried(bench: RehearsalBench, joints: Sequence[int]) -> list[Rehearsal]:
     found: list[Rehearsal] = []
     while some := list(itertools.islice(moves_left, VARIED_MOTIONS)):
         new = _rehearsed(bench, some)
-        if new and not any(_passes(made) for made in new):
+        if new and not any(made.passes for made in new):
             turning = max(range(len(new)), key=lambda k: new[k].reversals)
             with contextlib.suppress(*FAILURES):
-                new[turning] = _shown(bench, bench.closer(new[turning], CLEAR_DELTA_BIC / _most(new[turning])))
+                new[turning] = new[turning].with_windows().from_all_sides()
         found += new
-        if any(_passes(made) for made in new):
+        if any(made.passes for made in new):
             break
     return found
 
@@ -100,7 +88,7 @@ def _rehearsed(bench: RehearsalBench, some: Sequence[PlannedMotion]) -> list[Reh
         if any(first < k for first in ample):
             return None
         with contextlib.suppress(*FAILURES):
-            made = _shown(bench, bench.rehearse(some[k]))
+            made = Rehearsal.of(bench, some[k]).from_all_sides()
             if made.apart() >= AMPLE_DELTA_BIC:
                 ample.append(k)
             return made
@@ -109,12 +97,6 @@ def _rehearsed(bench: RehearsalBench, some: Sequence[PlannedMotion]) -> list[Reh
     made = abreast(rehearse, range(len(some)))
     wanted = min(ample) + 1 if ample else len(some)
     return [each for each in made[:wanted] if each is not None]
-
-
-def _shown(bench: RehearsalBench, made: Rehearsal) -> Rehearsal:
-    """A motion that separates the rivals, simulated with every hypothesis; another motion is returned as it is."""
-    most = _most(made)
-    return bench.from_all_sides(made, CLEAR_DELTA_BIC / most) if made.apart(most) >= CLEAR_DELTA_BIC else made
 
 
 def _moves(bench: RehearsalBench, joints: Sequence[int]) -> Iterator[PlannedMotion]:
@@ -156,19 +138,9 @@ def _joints(model: FlexibleJointModel, finding: Finding) -> list[int]:
     return list(dict.fromkeys(found))[:JOINTS_TRIED]
 
 
-def _most(made: Rehearsal) -> int:
-    """How often a motion may be repeated."""
-    return max(1, int(LONGEST_MOTION / made.seconds))
-
-
-def _passes(made: Rehearsal) -> int | None:
-    """How often it must be repeated; None: it does not help."""
-    return next((passes for passes in range(1, _most(made) + 1) if made.apart(passes) >= CLEAR_DELTA_BIC), None)
-
-
 def _chosen(rehearsed: Sequence[Rehearsal]) -> tuple[Rehearsal, int] | None:
     """Of the motions that need hardly more time than the shortest one, the one with the largest difference."""
-    telling = [(made, passes) for made in rehearsed if (passes := _passes(made)) is not None]
+    telling = [(made, passes) for made in rehearsed if (passes := made.passes) is not None]
     if not telling:
         return None
     least = min(made.seconds * passes for made, passes in telling)
@@ -185,16 +157,15 @@ def _names(model: FlexibleJointModel, finding: Finding) -> list[str]:
 
 def _sentence(plan: Experiment, names: Sequence[str]) -> str:
     """What to do, for how long, and the result of the simulation."""
-    often = f", {plan.passes} times over" if plan.passes > 1 else ""
+    often = f", {plan.passes} times" if plan.passes > 1 else ""
     told = f"{names[0]} and {' or '.join(names[1:])} then differ by {plan.apart:.0f} times the noise"
     sure = f"(expected delta BIC {plan.delta_bic:.0f})"
-    return f"{plan.motion}{often}, {plan.seconds:.0f} s in all: simulated, {told} {sure}"
+    return f"{plan.motion}{often}, {plan.seconds:.0f} s in all: in simulation, {told} {sure}"
 
 
 def _nothing(names: Sequence[str], rehearsed: Sequence[Rehearsal]) -> str:
     """A sentence that no motion helps, with the largest difference that was found."""
-    best = max(rehearsed, key=lambda made: made.apart(_most(made)))
-    left = best.apart(_most(best))
+    left, best = max(((made.apart(made.most), made) for made in rehearsed), key=lambda each: each[0])
     told = f"no motion within the range of the recordings separates {names[0]} from {' or '.join(names[1:])}"
     tried = f"{len(rehearsed)} motions simulated, for up to {LONGEST_MOTION:.0f} s each"
     apart = f"{math.sqrt(left):.1f} times the noise apart"

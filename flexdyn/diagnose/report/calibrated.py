@@ -11,8 +11,6 @@ from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.resolved_parameters import OF_MOTOR
 
-CALIBRATED_ROWS_OPEN = 12
-"""Number of rows that are shown at once; the others open on a click."""
 LIMIT = 3.0
 """Tolerances by which a number may move and be calibrated (contract, section 8)."""
 FACTOR = "1"

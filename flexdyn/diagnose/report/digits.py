@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 
 from flexdyn.diagnose.report.suspects import Number
 
@@ -131,6 +132,16 @@ def interval_text(number: Number) -> str:
 def unit_text(unit: str) -> str:
     """A unit as it is written behind a number; empty if it is 1."""
     return "" if unit == "1" else unit
+
+
+def largest(values: Iterable[float]) -> float:
+    """The scale of several bars: the largest of the finite values; 1 where that is none or zero."""
+    return max((value for value in values if math.isfinite(value)), default=1.0) or 1.0
+
+
+def estimates(numbers: Mapping[str, Number]) -> str:
+    """All numbers of an effect in a line."""
+    return ", ".join(f"{name} {estimate_text(number)}" for name, number in numbers.items())
 
 
 def counted(count: int, noun: str) -> str:

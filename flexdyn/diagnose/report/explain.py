@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator
 from typing import Any
 
-from flexdyn.diagnose.report import digits, words
-from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import told
-from flexdyn.diagnose.report.suspects import ESTABLISHED, Key, Suspect, ranks
+from flexdyn.diagnose.report.suspects import ESTABLISHED, Suspect, ranks
 from flexdyn.diagnose.report.words import is_number
 from flexdyn.effects import SensorEffect, catalogue
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-RANKS_LISTED = 5
-"""Largest number of ranks that are listed."""
 KEY = "explain"
 SIDES = ("link", "motor", "transmission", "sensor")
 
@@ -33,14 +28,8 @@ def explanation(diagnosis: Diagnosis, target: str) -> str:
     Raises:
         InputError: no such effect, or no such place.
     """
-    return told(
-        "explain",
-        diagnosis,
-        target=target,
-        found=[_facts(diagnosis, each) for each in resolved(diagnosis, target)],
-        ESTABLISHED=ESTABLISHED,
-        RANKS_LISTED=RANKS_LISTED,
-    )
+    found = [_facts(diagnosis, each) for each in resolved(diagnosis, target)]
+    return told("explain", diagnosis, target=target, found=found, ESTABLISHED=ESTABLISHED)
 
 
 def _facts(diagnosis: Diagnosis, suspect: Suspect) -> dict[str, Any]:
@@ -48,32 +37,20 @@ def _facts(diagnosis: Diagnosis, suspect: Suspect) -> dict[str, Any]:
     entry = next((each for each in diagnosis.considered if each.suspect.key == suspect.key), None)
     finding = next((each for each in diagnosis.findings if suspect.key in {name.key for name in each.names}), None)
     held = ranks(diagnosis.structures, [suspect])
+    whose = (suspect.place.get("of"), suspect.place.get("parameter"))
+    moved = (each for each in diagnosis.calibration if is_number(suspect) and (each.of, each.parameter) == whose)
     # As computed, else as the structures have it.
     known = (entry.probability if entry else math.nan, suspect.probability)
     marginal = held.probability if diagnosis.structures else math.nan
-    others = [] if finding is None else [each for each in finding.names if each.key != suspect.key]
     return {
         "suspect": suspect,
         "entry": entry,
         "finding": finding,
         "held": held,
         "probability": next((each for each in known if math.isfinite(each)), marginal),
-        "moved": _calibrated(diagnosis, suspect),
-        "others": [f"{words.suspect_phrase(diagnosis.model, each)}{_own(each)}" for each in others],
+        "moved": next(moved, None),
+        "others": [] if finding is None else [each for each in finding.names if each.key != suspect.key],
     }
-
-
-def _own(suspect: Suspect) -> str:
-    known = math.isfinite(suspect.probability)
-    return f" (probability {digits.probability_text(suspect.probability)})" if known else ""
-
-
-def _calibrated(diagnosis: Diagnosis, suspect: Suspect) -> Calibration | None:
-    """The number of a parameter error, if it was calibrated within its tolerance."""
-    if not words.is_number(suspect):
-        return None
-    whose = (suspect.place.get("of"), suspect.place.get("parameter"))
-    return next((each for each in diagnosis.calibration if (each.of, each.parameter) == whose), None)
 
 
 def target_of(suspect: Suspect) -> str:
@@ -90,16 +67,18 @@ def target_of(suspect: Suspect) -> str:
 
 def known_suspects(diagnosis: Diagnosis) -> list[Suspect]:
     """Every candidate in a diagnosis, findings first, then the most probable."""
-    found: dict[Key, Suspect] = {}
-    for suspect in _mentioned(diagnosis):
-        found.setdefault(suspect.key, suspect)
-    numbers = {target_of(suspect) for suspect in found.values()}
+    mentioned = [each for finding in diagnosis.findings for each in finding.names]
+    mentioned += [each.suspect for each in diagnosis.considered]
+    mentioned += [each for structure in diagnosis.structures for each in structure.effects]
+    found = {suspect.key: suspect for suspect in reversed(mentioned)}
+    known = [found[key] for key in dict.fromkeys(each.key for each in mentioned)]
+    numbers = {target_of(suspect) for suspect in known}
     for number in diagnosis.calibration:
         joint = number.of if number.of in diagnosis.model.joint_names else None
         moved = Suspect("parameter_error", joint, None, {}, {"of": number.of, "parameter": number.parameter})
         if target_of(moved) not in numbers:
-            found.setdefault(moved.key, moved)
-    return list(found.values())
+            known.append(moved)
+    return known
 
 
 def resolved(diagnosis: Diagnosis, target: str) -> list[Suspect]:
@@ -137,14 +116,6 @@ def check_target(model: FlexibleJointModel, target: str) -> None:
         places += model.robot.frame_names
     if where not in places and not any(where == f"{joint}.{side}" for joint in model.joint_names for side in SIDES):
         raise InputError("no such place", key=KEY, value=target, remedy=did_you_mean(where, places))
-
-
-def _mentioned(diagnosis: Diagnosis) -> Iterator[Suspect]:
-    for finding in diagnosis.findings:
-        yield from finding.names
-    yield from (each.suspect for each in diagnosis.considered)
-    for structure in diagnosis.structures:
-        yield from structure.effects
 
 
 def _names(suspect: Suspect) -> set[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from flexdyn.diagnose.report.digits import estimate_text, percent, probability_text, rounded
+from flexdyn.diagnose.report.digits import estimates, percent, probability_text, rounded
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import gap_sentence, verdict_sentence
 from flexdyn.diagnose.report.words import effect_name, where_phrase
@@ -44,8 +44,7 @@ def _findings(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
     for finding in diagnosis.findings:
         gain = "-" if math.isnan(finding.test_gain) else percent(finding.test_gain)
         for place, suspect in enumerate(finding.names):
-            numbers = ", ".join(f"{key} {estimate_text(entry)}" for key, entry in suspect.parameters.items())
             name = f"{'or ' if place else ''}{effect_name(suspect.effect)}"
             where = where_phrase(diagnosis.model, suspect)
             evidence = ("", "") if place else (probability_text(finding.probability), gain)
-            yield name, where, numbers, *evidence
+            yield name, where, estimates(suspect.parameters), *evidence

@@ -30,10 +30,7 @@ function printing(now) {
 }
 
 async function start() {
-  const { figures, laws } = JSON.parse(await unpacked("figures"));
-  for (const image of document.querySelectorAll("[data-law]")) {
-    image.src = `data:image/svg+xml,${encodeURIComponent(laws[image.dataset.law])}`;
-  }
+  const figures = JSON.parse(await unpacked("figures"));
   if (!rooms.length) return;
   const element = document.createElement("script");
   element.textContent = await unpacked("library");

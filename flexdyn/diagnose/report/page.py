@@ -6,42 +6,19 @@ import base64
 import json
 import math
 import zlib
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from flexdyn.diagnose.report import calibrated, digits, motions, sentences, shown, suspects, words
+from flexdyn.diagnose.report import calibrated, digits, pictures, sentences, suspects, words
 from flexdyn.diagnose.report.document import CONSIDERED
-from flexdyn.diagnose.report.law import law_picture
-from flexdyn.diagnose.report.motions import motion_figures
-from flexdyn.diagnose.report.pictures import experiment_figure, force_figure, residual_figure
 from flexdyn.diagnose.report.result import Diagnosis
+from flexdyn.effects import catalogue
 from flexdyn.errors import needed
 from flexdyn.io import html
 
-PARTS = (
-    "head",
-    "gap",
-    "errors",
-    "forces",
-    "motions",
-    "findings",
-    "shares",
-    "residuals",
-    "left",
-    "where",
-    "calibration",
-    "fit",
-    "structures",
-    "notes",
-    "plans",
-    "data",
-    "tail",
-)
-"""Templates of the page's parts, in their order; each is empty if it has no content."""
 KNOWN = {
     name: value
-    for module in (calibrated, digits, motions, sentences, shown, suspects, words)
+    for module in (calibrated, digits, pictures, sentences, suspects, words)
     for name, value in vars(module).items()
     if not name.startswith("_")
 }
@@ -55,12 +32,11 @@ def page(diagnosis: Diagnosis) -> str:
     policy names.
 
     Raises:
-        MissingExtra: matplotlib or plotly is not installed.
+        MissingExtra: plotly is not installed.
     """
     with needed("plotly", "plot"):
         from plotly.offline import get_plotlyjs
     figures = _figures(diagnosis)
-    laws = [law_picture(finding.suspect, diagnosis.model) for finding in diagnosis.findings]
     # The script unpacks the library and runs it as an element of its own.
     library = get_plotlyjs() if figures else ""
     script = "".join(Path(__file__).with_name(f"{name}.js").read_text("utf-8") for name in ("looks", "page"))
@@ -69,36 +45,41 @@ def page(diagnosis: Diagnosis) -> str:
         "diagnose/report/page.html",
         f"{kind} of {diagnosis.model.name}",
         scripts=(library, script),
-        parts=PARTS,
-        figures=_packed(json.dumps({"figures": figures, "laws": laws}, allow_nan=False)),
+        figures=_packed(json.dumps(figures, allow_nan=False)),
         library=_packed(library),
-        **_known(diagnosis, laws),
+        **_known(diagnosis),
     )
 
 
 def part(diagnosis: Diagnosis, name: str) -> str:
-    """One of the `PARTS` of the page.
+    """One of the parts of the page.
 
     Args:
         diagnosis: to be shown.
         name: of the part.
     """
-    return html.render(f"diagnose/report/{name}.html", **_known(diagnosis, [None] * len(diagnosis.findings)))
+    return html.render(f"diagnose/report/{name}.html", **_known(diagnosis))
 
 
-def _known(diagnosis: Diagnosis, laws: Sequence[str | None]) -> dict[str, Any]:
+def _known(diagnosis: Diagnosis) -> dict[str, Any]:
     """All values of the templates."""
-    own = {"CONSIDERED": CONSIDERED, "isfinite": math.isfinite, "isnan": math.isnan, "diagnosis": diagnosis}
-    return {**KNOWN, **own, "model": diagnosis.model, "laws": laws}
+    own = {
+        "CONSIDERED": CONSIDERED,
+        "catalogue": catalogue(),
+        "isfinite": math.isfinite,
+        "isnan": math.isnan,
+        "diagnosis": diagnosis,
+    }
+    return {**KNOWN, **own, "model": diagnosis.model}
 
 
 def _figures(diagnosis: Diagnosis) -> dict[str, object]:
     """What the page's script draws, by the id of its element."""
-    traces: dict[str, object] = {"motion": motion_figures(diagnosis)} if diagnosis.trajectories else {}
-    traces |= {f"trace-{k}": residual_figure(trace) for k, trace in enumerate(diagnosis.residuals)}
-    traces |= {f"force-{k}": force_figure(loop) for k, loop in enumerate(diagnosis.loops)}
+    traces: dict[str, object] = {"motion": pictures.motion_figures(diagnosis)} if diagnosis.trajectories else {}
+    traces |= {f"trace-{k}": pictures.residual_figure(trace) for k, trace in enumerate(diagnosis.residuals)}
+    traces |= {f"force-{k}": pictures.force_figure(loop) for k, loop in enumerate(diagnosis.loops)}
     plans = ((k, finding.plan) for k, finding in enumerate(diagnosis.findings))
-    return traces | {f"plan-{k}": experiment_figure(plan) for k, plan in plans if plan is not None}
+    return traces | {f"plan-{k}": pictures.experiment_figure(plan) for k, plan in plans if plan is not None}
 
 
 def _packed(text: str) -> str:

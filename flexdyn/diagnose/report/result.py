@@ -111,7 +111,7 @@ class Diagnosis(Public):
 
         Raises:
             InputError: the folder cannot be made or written to.
-            MissingExtra: matplotlib or plotly is not installed.
+            MissingExtra: plotly is not installed.
         """
         from flexdyn.diagnose.report.write import write_report
 

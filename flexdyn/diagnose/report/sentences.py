@@ -14,11 +14,6 @@ FINDINGS_IN_ONE_SENTENCE = 2
 """So many findings are all named in one sentence."""
 
 
-def finding_sentence(diagnosis: Diagnosis, finding: Finding) -> str:
-    """A finding with its probability in words and numbers, and that of every name that it may have."""
-    return told("finding", diagnosis, group=[finding])
-
-
 def finding_sentences(diagnosis: Diagnosis) -> list[str]:
     """All findings; those of one effect on one side of several joints in one sentence."""
     groups: dict[object, list[Finding]] = {}
@@ -75,13 +70,13 @@ def next_measurements(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.verdict in ("unexplained", "partly_explained"):
         places = [(e.joint, f" ({e.regime})" if e.regime not in ("", "everywhere") else "") for e in diagnosis.where]
         wanted += [
-            f"More motion of {joint}{regime}, slower, with the other joints at rest: a law that no catalogue holds"
-            " shows best where nothing else moves."
+            f"More motion of {joint}{regime}, slower, with the other joints at rest: a law that the catalogue lacks"
+            " is seen best where nothing else moves."
             for joint, regime in (places or [(each.joint, "") for each in diagnosis.left])[:2]
         ]
-        wanted.append("The same motion again: what does not repeat is no law of the arm's state.")
+        wanted.append("The same motion again: a residual that does not repeat is no law of the arm's state.")
     if diagnosis.gap_test is None and diagnosis.verdict != "interrupted":
-        wanted.append("A second recording of another motion, to test the answer on data that no decision read.")
+        wanted.append("A second recording of another motion, to test the answer on data that no decision has used.")
     return wanted
 
 

@@ -31,8 +31,7 @@ class Experiment(Locked):
         names: of the finding and of its nearest rival.
         t: times (points,) [s].
         position: of the moving joint (points,) [rad or m].
-        left: residual of the rival with fitted numbers, if the finding is right (points,).
-        noise: standard deviation of `left` (points,).
+        left: residual of the rival with fitted numbers, if the finding is right, in units of noise (points,).
         labels: of position and residual, with their units.
     """
 
@@ -46,7 +45,6 @@ class Experiment(Locked):
     t: Array
     position: Array
     left: Array
-    noise: Array
     labels: tuple[str, str]
 
     @property

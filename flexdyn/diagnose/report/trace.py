@@ -161,9 +161,3 @@ class ForceLoop(Locked):
     role: Role
     units: tuple[str, str]
     columns: Array
-
-    @classmethod
-    def thinned(cls, joint: str, file: str, role: Role, units: tuple[str, str], columns: Array) -> ForceLoop:
-        """Of long columns as many points as the eye needs, evenly."""
-        every = max(1, -(-columns.shape[1] // MOST_LOOP_POINTS))
-        return cls(joint, file, role, units, columns[:, ::every].copy())

@@ -34,7 +34,7 @@ def write_report(diagnosis: Diagnosis, folder: Path) -> None:
 
     Raises:
         InputError: the folder cannot be made or written to.
-        MissingExtra: matplotlib or plotly is not installed.
+        MissingExtra: plotly is not installed.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
