@@ -17,7 +17,7 @@ from flexdyn.diagnose.hypothesis.workspace import prepared
 from flexdyn.diagnose.inference.passes import Posterior, posterior
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows, unlike_noise
+from flexdyn.diagnose.simulated.reweighting import Simulated, reweighed, share_in_windows, unlike_noise
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
 from flexdyn.diagnose.simulated.window_scan import promising
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
@@ -112,7 +112,7 @@ def test_windows_bring_back_what_the_search_had_lost(tmp_path: Path) -> None:
     assert not again.earlier
     # What the level takes off the windows is thousands of times what is left.
     (place,) = [c for c, _ in again.best]
-    assert share_in_windows(again, windows, place) > 1e3
+    assert share_in_windows(Simulated(again, windows), place) > 1e3
     assert not unlike_noise(shoot(again.fitted.hypothesis.seen(), windows))
     assert unlike_noise(shoot(empty.hypothesis.seen(), windows))
 
@@ -160,4 +160,4 @@ def test_what_windows_do_not_need_has_no_share_in_them(tmp_path: Path) -> None:
     held = dataclasses.replace(found, best=frozenset({(drag, 0)}), fitted=fit(here, found.fitted.space, steps=1))
     windows = Windows.of(model, [recording], LEVELS.noise(1))
     assert not unlike_noise(shoot(found.fitted.hypothesis.seen(), windows))
-    assert share_in_windows(held, windows, drag) == 0.0
+    assert share_in_windows(Simulated(held, windows), drag) == 0.0

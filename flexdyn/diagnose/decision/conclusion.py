@@ -27,7 +27,7 @@ from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.progress import tell
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows, unlike_noise
+from flexdyn.diagnose.simulated.reweighting import Simulated, reweighed, share_in_windows, unlike_noise
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 Parts = tuple[tuple[DataPart, ...], tuple[DataPart, ...]]
@@ -65,7 +65,7 @@ def concluded(
         accepted = by_windows is not None and leaves_noise(by_windows.fitted, plain)
         compared = by_windows if by_windows is not None and accepted else compared
         again = corrected(
-            compared, plain, functools.partial(share_in_windows, compared, windows), rejected=not accepted
+            compared, plain, functools.partial(share_in_windows, Simulated(compared, windows)), rejected=not accepted
         )
         found, named, first = _on_fit(plain, made, again, parts[0], rejected=not accepted)
     tell("opening the test data", 0.85)

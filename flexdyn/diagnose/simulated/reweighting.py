@@ -149,18 +149,17 @@ class Simulated:
         return sorted((s for s in structures if s in self.known), key=lambda s: (-self.known[s], sorted(s)))
 
 
-def share_in_windows(found: Posterior, windows: Windows, candidate: int) -> float:
+def share_in_windows(simulated: Simulated, candidate: int) -> float:
     """What a candidate of the best structure takes off the windows, over what is left of them [1].
 
     With mean squares of the innovations: ``(without it - with it) / (with it - 1)``; without it, the file's numbers
     stay within three tolerances. Of the noise's power `NOISE_LEVEL_ERROR` is unknown.
 
     Args:
-        found: the posterior.
-        windows: of the data of the fit.
+        simulated: structures over the windows of the data of the fit.
         candidate: of the best structure.
     """
-    simulated = Simulated(found, windows)
+    found, windows = simulated.found, simulated.windows
     rest = frozenset(each for each in found.best if each[0] != candidate)
     simulated.start(found.best)
     simulated.start(rest)
@@ -169,6 +168,15 @@ def share_in_windows(found: Posterior, windows: Windows, candidate: int) -> floa
     whole = simulated.fits[found.best].shot.left
     without = shoot(simulated.fits[rest].made.hypothesis.tolerated().seen(), windows).left
     return max(without - whole, 0.0) / (max(whole - 1.0, 0.0) + NOISE_LEVEL_ERROR)
+
+
+def _with_other_numbers(simulated: Simulated, here: WindowFit) -> WindowFit:
+    """The best structure with numbers that suit all windows, where those that suit some of them come to noise there."""
+    best = simulated.found.best
+    simulated.fit(best)
+    if best not in simulated.fitted or unlike_noise(simulated.fits[best].shot):
+        return here
+    return fit_to_windows(WindowFit.of(simulated.fits[best].made, here.shot.windows))
 
 
 def reweighed(
@@ -194,13 +202,14 @@ def reweighed(
     """
     here = WindowFit.of(found.fitted, windows)
     few = here.shot.is_noise()  # what is missing shows in a few windows alone, as wrong sticking does
-    here = fit_to_windows(here) if unlike_noise(here.shot) else here
+    simulated = Simulated(found, windows.thinned(COMPARED_WINDOWS))
+    if unlike_noise(here.shot):
+        here = _with_other_numbers(simulated, here)
     large = len(found.best) > LARGEST_QUESTIONED
     if (all_named or large) and not unlike_noise(here.shot) and fits(here.made):
         return dataclasses.replace(found, fitted=here.made)
     if large:
         return None
-    simulated = Simulated(found, windows.thinned(COMPARED_WINDOWS))
     best = simulated.climbed(found.best)
     if best not in simulated.fits:
         return None
