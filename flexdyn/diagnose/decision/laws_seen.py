@@ -9,7 +9,7 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.decision.corrected import Corrected
-from flexdyn.diagnose.decision.held_out import Rows
+from flexdyn.diagnose.decision.held_out import ModelRows
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, SENSOR, TRANSMISSION
@@ -27,7 +27,7 @@ LAW_POINTS = 240
 """Points of a drawn law."""
 
 
-def laws_seen(rows: Rows, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
+def laws_seen(rows: ModelRows, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
     """A picture of every name, in the equation in which its law does most.
 
     Before is the corrected model without this one effect, after is the corrected model (a partial residual plot:
@@ -43,7 +43,7 @@ def laws_seen(rows: Rows, found: Corrected, named: Sequence[Name]) -> tuple[Resi
     return tuple(each for each in made if each is not None)
 
 
-def _picture(rows: Rows, found: Corrected, c: int) -> ResidualTrace | None:
+def _picture(rows: ModelRows, found: Corrected, c: int) -> ResidualTrace | None:
     """The picture of one candidate's law; None: it does nothing here, or too few rows show it."""
     without, after, shape = rows.of_hypothesis(found.without(c)), rows.after, rows.seen.shape
     law = without.residual - after.residual
