@@ -21,8 +21,9 @@ CLAIMS: tuple[tuple[str, Any], ...] = (
     (r"No established effect accounts for what is left: (at most )?([\d.]+) % of the torque of (\S+?)"
      r"(?:; it changes with (.+?))?\.", checks.left),
     (r"Something is left that no established effect accounts for\.", checks.something_left),
-    (r"Above: .+?\. Below: what a model with .+? would then leave unexplained, its numbers fitted again, if it is .+?;"
-     r" shaded: noise, two standard deviations\. Over the whole motion it adds up to (\d+) times the noise\.",
+    (r"Above: .+?\. Below, if it is .+?: what a model with .+? leaves unexplained after its numbers are fitted again,"
+     r" in units of noise; shaded: two standard deviations\. Over the whole motion it adds up to (\d+) times the"
+     r" noise\.",
      checks.planned),
     (rf"Model and measurement disagree, and no effect is established as the cause"
      rf"(?:: the most probable, (.+?), has probability {P}, and 0\.95 is required)?\.", checks.not_established),

@@ -7,7 +7,7 @@ import pytest
 
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.drawn import of_equations
-from flexdyn.diagnose.decision.held_out import Rows
+from flexdyn.diagnose.decision.held_out import ModelRows
 from tests.diagnose.answers import LEVEL, dry_elbow, dry_model, dry_recording
 from tests.diagnose.workspaces import workspace
 
@@ -39,7 +39,7 @@ def test_where_nothing_is_found_the_most_that_is_left_is_shown_first() -> None:
     """Equations of a model that lacks friction, taken for the corrected one too: the elbow's motor has it all."""
     data = (measured(dry_model(), dry_recording()),)
     space, _, _ = workspace(dry_model(), data)
-    rows = Rows((space.equations,) * 3, space.noise, space.whiten)
+    rows = ModelRows((space.equations,) * 3, space.noise, space.whiten)
     pictures = of_equations(rows, explained=False)
     assert [each.title for each in pictures[:2]] == ["elbow, motor side"] * 2
     assert pictures[0].explains > 0.99

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.even_odds import told_by_data
-from flexdyn.diagnose.decision.held_out import Rows
+from flexdyn.diagnose.decision.held_out import ModelRows
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name, names, standing_in
 from flexdyn.diagnose.decision.verdict import left
@@ -238,7 +238,7 @@ def possible(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
 def leaves_noise(made: Fit, plain: Workspace) -> bool:
     """Whether no joint's equations leave more than noise and 1 % of its torque."""
     models = (plain.equations, made.equations, made.equations)
-    return not left(Rows(models, plain.noise, plain.whiten), {})
+    return not left(ModelRows(models, plain.noise, plain.whiten), {})
 
 
 def converged(made: Fit) -> bool:

@@ -12,7 +12,7 @@ from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.figures import OnData
 from flexdyn.diagnose.decision.gaps import Shots
-from flexdyn.diagnose.decision.held_out import Rows, summed
+from flexdyn.diagnose.decision.held_out import ModelRows, summed
 from flexdyn.diagnose.decision.laws_seen import laws_seen
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.equations.localise import traces
@@ -23,7 +23,7 @@ HIGHEST_DRAWN_RATE = 200.0
 """Positions are drawn at most so often [Hz]; torques at the rate of the equations' rows."""
 
 
-def drawn(rows: Rows, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
+def drawn(rows: ModelRows, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
     """Pictures in the order of how much they explain: of the laws found, then two of every equation.
 
     Args:
@@ -35,7 +35,7 @@ def drawn(rows: Rows, found: Corrected, named: Sequence[Name]) -> tuple[Residual
     return (*sorted(laws, key=lambda each: -each.explains), *of_equations(rows, explained=bool(laws)))
 
 
-def of_equations(rows: Rows, *, explained: bool) -> tuple[ResidualTrace, ...]:
+def of_equations(rows: ModelRows, *, explained: bool) -> tuple[ResidualTrace, ...]:
     """Two pictures of every equation, those of which the correction takes most first.
 
     One is over what its residual depends on more, position or velocity, and one over time. Where nothing was found,

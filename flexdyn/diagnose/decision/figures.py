@@ -11,7 +11,7 @@ from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.forces import Forces, are_prescribed, errors_of, recorded
 from flexdyn.diagnose.decision.gains import gains, shares
 from flexdyn.diagnose.decision.gaps import FIT_WINDOWS, Shots, shots, windows_of
-from flexdyn.diagnose.decision.held_out import Rows, held_out, rms
+from flexdyn.diagnose.decision.held_out import ModelRows, held_out, rms
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.decision.verdict import dependence, left
@@ -33,7 +33,7 @@ class OnData:
     """
 
     parts: Sequence[DataPart]
-    rows: Rows
+    rows: ModelRows
     off: Shots | Forces | None
 
     @property
@@ -108,7 +108,7 @@ def on_fit(plain: Workspace, made: Fit, found: Corrected, parts: Sequence[DataPa
     elif are_prescribed(parts):
         errors = errors_of([at.of(each.seen()) for each in either])
         nearer = int(errors[1] <= errors[0])
-    rows = Rows((at, at.of(either[nearer].seen()), after), plain.noise, plain.whiten)
+    rows = ModelRows((at, at.of(either[nearer].seen()), after), plain.noise, plain.whiten)
     where, left = (_places(plain, each) for each in rows.models[1:])
     forces = Forces.of(rows) if are_prescribed(parts) else off
     return OnFit(parts, rows, forces, either[nearer], made, where, left)
@@ -159,7 +159,7 @@ def on_test(
     return OnTest(parts, rows, off, _errors(rows, over), remaining, gone, shares(rows, found, named, gone))
 
 
-def _errors(rows: Rows, over: Shots | None) -> dict[str, JointError]:
+def _errors(rows: ModelRows, over: Shots | None) -> dict[str, JointError]:
     """Errors of torques and positions of every joint."""
     found, robot = {}, rows.given.true.robot
     for j, joint in enumerate(rows.given.true.joint_names):

@@ -10,7 +10,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.held_out import Rows, rms
+from flexdyn.diagnose.decision.held_out import ModelRows, rms
 from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
@@ -40,7 +40,7 @@ class Forces:
     errors: tuple[float, float, float]
 
     @classmethod
-    def of(cls, rows: Rows) -> Forces:
+    def of(cls, rows: ModelRows) -> Forces:
         """Of the equations of the three models."""
         (before, calibrated, after), off = (rows.white(at)[rows.seen] for at in rows.models), errors_of(rows.models)
         return cls(before, calibrated, after, (off[0], off[1], off[2]))

@@ -7,12 +7,12 @@ import math
 from collections.abc import Mapping, Sequence
 
 from flexdyn.diagnose.decision.corrected import Corrected
-from flexdyn.diagnose.decision.held_out import Rows, rms
+from flexdyn.diagnose.decision.held_out import ModelRows, rms
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.report.measures import Shares
 
 
-def gains(rows: Rows, found: Corrected, named: Sequence[Name]) -> dict[int, float]:
+def gains(rows: ModelRows, found: Corrected, named: Sequence[Name]) -> dict[int, float]:
     """Share of the gap on the test data that each name removes, at most 1; NaN where all rows are masked.
 
     The residual of the equations is used, because windows would have to be simulated again for every name. A name is
@@ -31,7 +31,7 @@ def gains(rows: Rows, found: Corrected, named: Sequence[Name]) -> dict[int, floa
     return {c: min(1.0, each) if math.isfinite(before - after) else math.nan for c, each in gain.items()}
 
 
-def shares(rows: Rows, found: Corrected, named: Sequence[Name], gain: Mapping[int, float]) -> Shares | None:
+def shares(rows: ModelRows, found: Corrected, named: Sequence[Name], gain: Mapping[int, float]) -> Shares | None:
     """Shares of the gap on the test data that add up: names are added one after the other, in the order of their gain.
 
     Args:

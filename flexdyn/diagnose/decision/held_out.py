@@ -24,7 +24,7 @@ Models = tuple[Equations, Equations, Equations]
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class ModelRows:
     """Rows of the equations by the model as given, calibrated and corrected.
 
     Attributes:
@@ -85,7 +85,9 @@ def summed(at: Equations, j: int) -> tuple[Array, list[int]]:
     return np.asarray(sum(rows[:, k] * units.get(at.kinds[k][1], 1.0) for k in own)), own
 
 
-def held_out(equations: Equations, calibrated: Hypothesis, corrected: Hypothesis, data: tuple[Measured, ...]) -> Rows:
+def held_out(
+    equations: Equations, calibrated: Hypothesis, corrected: Hypothesis, data: tuple[Measured, ...]
+) -> ModelRows:
     """Rows of the test data.
 
     Args:
@@ -108,7 +110,7 @@ def held_out(equations: Equations, calibrated: Hypothesis, corrected: Hypothesis
     mask = _mask(given, after, recorded)
     left = torque_noise(after, after.residual, mask, recorded)
     noise = dataclasses.replace(recorded, tau=np.maximum(np.minimum(left, recorded.tau), 1e-12))
-    return Rows((given, between, after), noise, whitener(after, noise, mask))
+    return ModelRows((given, between, after), noise, whitener(after, noise, mask))
 
 
 def _mask(given: Equations, after: Equations, noise: SampleNoise) -> Flags:

@@ -9,14 +9,13 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.decision.corrected import Corrected
-from flexdyn.diagnose.decision.held_out import Rows
+from flexdyn.diagnose.decision.held_out import ModelRows
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, SENSOR, TRANSMISSION
 from flexdyn.diagnose.equations.localise import SIDES
-from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.report.trace import ResidualTrace
-from flexdyn.diagnose.report.words import capital, effect_name
+from flexdyn.diagnose.report.words import capital, effect_name, number_phrase
 
 CURVE_VARIANCE_SHARE = 0.9
 """Share of a law's variance that one quantity must explain for the law to be a curve over it [1]."""
@@ -28,7 +27,7 @@ LAW_POINTS = 240
 """Points of a drawn law."""
 
 
-def laws_seen(rows: Rows, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
+def laws_seen(rows: ModelRows, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
     """A picture of every name, in the equation in which its law does most.
 
     Before is the corrected model without this one effect, after is the corrected model (a partial residual plot:
@@ -40,19 +39,13 @@ def laws_seen(rows: Rows, found: Corrected, named: Sequence[Name]) -> tuple[Resi
         found: the corrected model.
         named: the names that are reported.
     """
-    made = (_picture(rows, found.without(each.candidate), found.candidates[each.candidate].kind) for each in named)
+    made = (_picture(rows, found, each.candidate) for each in named)
     return tuple(each for each in made if each is not None)
 
 
-def _picture(rows: Rows, rest: Hypothesis, kind: str) -> ResidualTrace | None:
-    """Of one law; None: it does nothing here, or too few rows show it.
-
-    Args:
-        rows: over the data of the fit.
-        rest: the corrected model without the law.
-        kind: name of its effect.
-    """
-    without, after, shape = rows.of_hypothesis(rest), rows.after, rows.seen.shape
+def _picture(rows: ModelRows, found: Corrected, c: int) -> ResidualTrace | None:
+    """The picture of one candidate's law; None: it does nothing here, or too few rows show it."""
+    without, after, shape = rows.of_hypothesis(found.without(c)), rows.after, rows.seen.shape
     law = without.residual - after.residual
     power = (rows.whiten(law).reshape(shape) ** 2).sum(axis=0)
     k = int(power.argmax())
@@ -69,8 +62,11 @@ def _picture(rows: Rows, rest: Hypothesis, kind: str) -> ResidualTrace | None:
     j, side = after.kinds[k]
     joint, robot = after.true.joint_names[j], after.true.robot
     unit = robot.angle_unit(joint) if side == TRANSMISSION else robot.torque_unit(joint)
+    candidate = found.candidates[c]
+    number, name = candidate.number, effect_name(candidate.kind)
+    name = name if number is None else number_phrase(found.hypothesis.given, number.of, number.parameter)
     trace = ResidualTrace.thinned(
-        f"{capital(effect_name(kind))}: {joint}, {SIDES[side]}", label, f"residual [{unit}]", x, own + left, left
+        f"{capital(name)}: {joint}, {SIDES[side]}", label, f"residual [{unit}]", x, own + left, left
     )
     whole, more, less = (float((rows.white(at) ** 2).sum()) for at in (rows.given, without, after))
     line = _line(x, own, LAW_POINTS if curve else LAW_BINS)

@@ -10,7 +10,7 @@ import numpy as np
 
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.decision.gaps import Shots
-from flexdyn.diagnose.decision.held_out import Rows, rms
+from flexdyn.diagnose.decision.held_out import ModelRows, rms
 from flexdyn.diagnose.equations.layout import LINK, TRANSMISSION
 from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.report.measures import Left, ResidualPlace
@@ -51,7 +51,7 @@ def verdict(*, named: bool, noise: bool, converged: bool) -> Verdict:
     return "partly_explained" if named else "unexplained"
 
 
-def left(rows: Rows, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Left, ...]:
+def left(rows: ModelRows, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Left, ...]:
     """Of every joint that leaves more than noise and 1 % of its torque, the largest share first.
 
     The mean square of the rows in torque, less that of noise; of a joint with two equations that one which

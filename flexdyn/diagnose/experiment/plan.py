@@ -10,8 +10,8 @@ from flexdyn.arrays import Array
 from flexdyn.diagnose.experiment.rehearsal import Rehearsal
 from flexdyn.diagnose.report.suspects import Experiment
 
-PICTURE_POINTS = 240
-"""Number of points of a picture; rows between them are averaged."""
+PICTURE_POINTS = 1500
+"""Number of points of a picture."""
 
 
 def planned(made: Rehearsal, passes: int, names: Sequence[str]) -> Experiment:
@@ -23,8 +23,9 @@ def planned(made: Rehearsal, passes: int, names: Sequence[str]) -> Experiment:
         names: of the hypotheses.
     """
     near = int(np.argmin(made.sides[0].apart(1)))
-    t, left, label = _left(made, near, passes)
-    true, j = made.bench.space.equations.true, made.move.joint
+    true, run, j = made.bench.space.equations.true, made.sides[0].run, made.move.joint
+    t = np.linspace(run.t[0], run.t[-1], PICTURE_POINTS)
+    left, label = _left(made, near, passes, t)
     return Experiment(
         motion=made.move.words,
         seconds=passes * made.seconds,
@@ -34,26 +35,28 @@ def planned(made: Rehearsal, passes: int, names: Sequence[str]) -> Experiment:
         command=made.bench.command(0, made.move),
         names=(names[0], names[1 + near]),
         t=t,
-        position=np.interp(t, made.sides[0].run.t, made.move.path[:, j]),
+        position=np.interp(t, run.t, made.move.path[:, j]),
         left=left,
-        labels=(f"{true.joint_names[j]} [{true.robot.angle_unit(j)}]", label),
+        labels=(f"{true.joint_names[j]} [{true.robot.angle_unit(j)}]", f"{label} [noise]"),
     )
 
 
-def _left(made: Rehearsal, near: int, passes: int) -> tuple[Array, Array, str]:
-    """Times, what a rival leaves in the equation or channel in which it leaves most, in units of noise, and which."""
+def _left(made: Rehearsal, near: int, passes: int, t: Array) -> tuple[Array, str]:
+    """What a rival leaves in the equation or channel in which it leaves most, in units of noise, and which that is.
+
+    It is NaN between simulated windows.
+    """
     side = made.sides[0]
     if side.by_windows:
         windows, refit = made.bench.windows(side.recording), side.by_windows[near][1]
-        t, labels = windows.t[:, :: windows.block].ravel(), [f"error of {name}" for name in windows.channels]
+        times, labels = windows.t[:, :: windows.block].ravel(), list(windows.channels)
     else:
         equations, refit = side.space.equations, side.by_equations[near][1]
         along, joints = equations.motions[0], equations.true.joint_names
-        t = along.t[equations.filters.instants(len(along.t))]
-        labels = [f"{kind} equation of {joints[k]}" for k, kind in equations.kinds]
+        times = along.t[equations.filters.instants(len(along.t))]
+        labels = [f"{joints[k]}, {kind}" for k, kind in equations.kinds]
     white = (refit.left(passes)[: refit.rows] / np.sqrt(passes)).reshape(-1, len(labels))
     most = int((white**2).sum(axis=0).argmax())
-    size = max(1, len(t) // PICTURE_POINTS)
-    blocks = np.arange(0, len(t) - size + 1, size)
-    left = np.add.reduceat(white[:, most], blocks)[: len(blocks)] / np.sqrt(size)
-    return t[blocks], left, f"{labels[most]}, in units of noise"
+    at = np.maximum(np.searchsorted(times, t, side="right") - 1, 0)
+    there = np.abs(t - times[at]) < 2.0 * np.median(np.diff(times))
+    return np.where(there, white[at, most], np.nan), labels[most]

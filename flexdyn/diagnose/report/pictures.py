@@ -67,7 +67,7 @@ def experiment_figure(plan: Experiment) -> dict[str, Any]:
     t, edges = plan.t[[0, -1, -1, 0]], np.array([2.0, 2.0, -2.0, -2.0])
     curves = [
         curve(plan.t, plan.position, "motion", "ink"),
-        curve(t, edges, "noise", "before", "band", BELOW),
+        curve(t, edges, "noise", "between", "band", BELOW),
         curve(plan.t, plan.left, "left", "after", below=BELOW),
     ]
     return figure("plan", curves, "t [s]", *plan.labels)
