@@ -102,6 +102,7 @@ class Effect:
         makes_elastic: a joint that the model takes for rigid becomes elastic.
         is_constant: a torque that neither the motion nor the command changes; a force sensor may have it too.
         small_size: size of what it is linear in at which a diagnosis computes what it does; `small` may depend on more.
+        unproposed: parameters that keep their default where a diagnosis proposes the effect.
         late_by: the parameter by which it shifts a signal in time [s]; empty: it shifts none.
     """
 
@@ -116,6 +117,7 @@ class Effect:
     order: ClassVar[int] = 100
     linear: ClassVar[tuple[str, ...]] = ()
     linear_bounds: ClassVar[tuple[float, ...]] = ()
+    unproposed: ClassVar[tuple[str, ...]] = ()
     axes: ClassVar[tuple[str, ...]] = ()
     grids: ClassVar[Mapping[str, tuple[Scale, tuple[float, ...]]]] = {}
     contains: ClassVar[tuple[str, ...]] = ()

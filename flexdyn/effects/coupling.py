@@ -33,6 +33,7 @@ class JointCoupling(JointEffect):
     neutral = {"coefficient": 0.0, "level": 0.0}
     shown = {"coefficient": 0.5}
     linear = ("coefficient",)
+    unproposed = ("level", "ratio")  # dry friction between motors is no candidate
     prevalence = "often"
 
     coefficient: float = parameter("N m s/rad", default=0.0)

@@ -166,3 +166,14 @@ def test_slopes_of_links_numbers_are_those_of_where_they_stand() -> None:
     column = linearised(there, space).regression.X[:, list(start.factors).index(number)]
     assert np.linalg.norm(column - slope) < 0.01 * np.linalg.norm(slope)
     assert np.linalg.norm(space.numbers[:, list(start.factors).index(number)] - slope) > 0.1 * np.linalg.norm(slope)
+
+
+def test_a_coupling_that_is_proposed_has_no_dry_friction() -> None:
+    """Its level is no candidate: two couplings of the same motors with levels would be no model."""
+    model = fd.load_model("scara_two_link")
+    effects = tuple(
+        fd.effects.JointCoupling(one, other=other, coefficient=0.1)
+        for one, other in (("shoulder", "elbow"), ("elbow", "shoulder"))
+    )
+    here = Hypothesis(model, {}, effects=effects)
+    assert [name for _, name in here.unknowns()] == ["coefficient", "coefficient"]

@@ -69,6 +69,7 @@ class Hypothesis:
             for effect in self.effects
             for entry in effect.parameters()
             if (entry.name not in DISCRETE or entry.name in self.measured)
+            and entry.name not in effect.unproposed
             and math.isfinite(getattr(effect, entry.name))
         ]
 

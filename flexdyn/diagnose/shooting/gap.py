@@ -113,12 +113,12 @@ class Shot:
 
     @property
     def left(self) -> float:
-        """Mean square of the innovations of all windows but those that are farthest off [1]: 1 if the model is right.
+        """Mean square of `scaled` over all windows but those that are farthest off [1]: 1 if the model is right.
 
         Noise decides when a joint sticks. No linear response covers that, so a few windows of a perfect model are far
         off (a trimmed mean).
         """
-        each = np.sort(self.misfit / self.fragile**2)
+        each = np.sort(self.by_window**2)
         return float(each[: max(1, math.ceil((1.0 - STRAY_SHARE) * len(each)))].mean())
 
     @property

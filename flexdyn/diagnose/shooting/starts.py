@@ -236,7 +236,8 @@ def _computed_deflection(shooter: Shooter, joint: str, k: int) -> Array | None:
     if len(data.t) <= 4 * first.half:
         return None
     along = smoothed(model, LinkSide(model), data, first)
-    return np.interp(recording.t - recording.t[0], along.t, along.delta[:, model.joint_names.index(joint)])
+    delta = along.delta[:, model.joint_names.index(joint)]
+    return np.asarray(np.interp(recording.t - recording.t[0], along.t, delta))
 
 
 def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
@@ -259,10 +260,11 @@ def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
     path: Array | None
     if getattr(effect, "side", "") == "transmission":
         path = theta - q if q is not None and theta is not None else _computed_deflection(shooter, joint, k)
-        theta = theta if theta is not None else q
-        for each in model.all_effects:
-            if isinstance(each, DeflectionEffect) and each.joint == joint and not each.is_neutral:
-                path = each.deflection(path, theta)
+        rotor = theta if theta is not None else q
+        if path is not None and rotor is not None:
+            bent = [e for e in model.all_effects if isinstance(e, DeflectionEffect) and e.joint == joint]
+            for each in bent:
+                path = path if each.is_neutral else each.deflection(path, rotor)
     else:
         both = (q, theta) if getattr(effect, "side", "") == "link" else (theta, q)
         path = next((each for each in both if each is not None), None)  # on its own side, else on the other

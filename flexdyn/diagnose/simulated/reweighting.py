@@ -152,8 +152,8 @@ class Simulated:
 def share_in_windows(simulated: Simulated, candidate: int) -> float:
     """What a candidate of the best structure takes off the windows, over what is left of them [1].
 
-    With mean squares of the innovations: ``(without it - with it) / (with it - 1)``; without it, the file's numbers
-    stay within three tolerances. Of the noise's power `NOISE_LEVEL_ERROR` is unknown.
+    With the squared gaps of all windows but the farthest ones: ``(without it - with it) / (with it - 1)``; without it,
+    the file's numbers stay within three tolerances. Of the noise's power `NOISE_LEVEL_ERROR` is unknown.
 
     Args:
         simulated: structures over the windows of the data of the fit.
