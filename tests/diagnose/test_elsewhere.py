@@ -8,9 +8,8 @@ import pytest
 
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.hypothesis.workspace import prepared
-from flexdyn.diagnose.inference.elsewhere import as_fitted, odds_by_fits
+from flexdyn.diagnose.inference.elsewhere import odds_by_fits
 from flexdyn.diagnose.inference.passes import posterior
-from flexdyn.diagnose.inference.structure_model import standing
 from tests.diagnose.test_simulated import FORCE, LEVEL, LEVELS, MASS, RATE
 from tests.diagnose.truths import slider_model, slider_recording, sliding
 
@@ -26,19 +25,3 @@ def test_a_fit_tells_what_a_linearisation_only_promised(tmp_path: Path) -> None:
     nothing, same = odds_by_fits(found.space, found.best, found.fitted, [frozenset(), there])
     assert nothing < 1e-6
     assert same == pytest.approx(1.0, abs=0.05)
-
-
-def test_what_a_fit_does_not_keep_is_charged_to_all_structures_without_the_effect(tmp_path: Path) -> None:
-    """Whatever the linear equations promised for leaving the friction out: the fit loses thousands, and it stays."""
-    model = slider_model(tmp_path)
-    x, _ = sliding(FORCE, 1.0 / RATE, MASS, LEVEL)
-    data = measured(model, slider_recording(x, FORCE, RATE, LEVELS, 0))
-    found = posterior(*prepared(model, (data,)))
-    space, there = found.space, standing(found.space)
-    kept, promise = space.value(there), 50.0
-    space.known = {there: kept, frozenset(): kept + promise}
-    best = as_fitted(space, frozenset(), found.fitted.space)
-    assert best == there
-    (loss,) = space.unkept.values()
-    assert loss < -1000.0
-    assert space.value(frozenset()) < kept - 1000.0

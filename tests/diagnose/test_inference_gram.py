@@ -275,3 +275,12 @@ def test_weights_count_rows() -> None:
     assert one.log_volume == pytest.approx(other.log_volume, rel=1e-12)
     np.testing.assert_allclose(one.mean, other.mean, atol=1e-12)
     np.testing.assert_allclose(one.covariance, other.covariance, atol=1e-12)
+
+
+def test_reserved_columns_take_room() -> None:
+    """Also those that nobody puts: what is kept must not run beyond the end."""
+    products = Products(1, 4, 3)
+    products.reserve(2)
+    assert products.room == 1
+    products.put(0, np.ones((1, 1, 4), np.float32))
+    assert products.room == 0

@@ -8,11 +8,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.linear import priors
-from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import Space, Structure
-from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing
+from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.inference.whitening import Tempered
 from flexdyn.errors import SimulationError
 
@@ -44,38 +43,6 @@ def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[fr
             continue
         found.append(math.exp(min(0.0, _log_posterior(space, structure, made) - here)))
     return tuple(found)
-
-
-def as_fitted(space: Space, best: Structure, work: Workspace) -> Structure:
-    """The best structure where a fit keeps what the linear equations promise for leaving out effects that stand.
-
-    Without an effect, other numbers move far, and a linearisation with it cannot foresee what that leaves. So the best
-    structure without it is fitted. What the fit loses of the promise is charged to all structures without it.
-
-    Args:
-        space: of the linearisation.
-        best: its best structure.
-        work: weights of a fit.
-    """
-    stands = standing(space)
-    while gone := frozenset(c for c, _ in stands - best if space.candidates[c].stands is not None):
-        if gone in space.unkept:
-            break
-        promised = space.value(best) - space.value(stands)
-        space.unkept[gone] = min(0.0, _kept(space, best, stands, work) - promised)
-        space.known = {}
-        best = explore(space, [stands, best], 0)
-    return best
-
-
-def _kept(space: Space, best: Structure, stands: Structure, work: Workspace) -> float:
-    """Log posterior of the best structure less that of what stands, both fitted; -inf where it is no model."""
-    before = _log_posterior(space, stands, fit(space.library.start, work, steps=STEPS_ELSEWHERE))
-    try:
-        after = fit(hypothesis_of(space, best), work, steps=STEPS_ELSEWHERE)
-    except SimulationError:
-        return -math.inf
-    return _log_posterior(space, best, after) - before
 
 
 def _in_space(space: Space, candidates: frozenset[int]) -> Structure:

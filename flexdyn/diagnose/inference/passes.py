@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +21,7 @@ from flexdyn.diagnose.inference.autoregression import runs_of
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.elsewhere import as_fitted, odds_by_fits
+from flexdyn.diagnose.inference.elsewhere import odds_by_fits
 from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.memory import check_memory
@@ -32,7 +32,6 @@ from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, 
 from flexdyn.diagnose.inference.weights import along_expected, expected, filter_error, for_fit, quieter, rows_of
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
-from flexdyn.effects import Effect
 
 Flags = NDArray[np.bool_]
 MOST_PASSES = 5
@@ -46,7 +45,6 @@ WEIGHTINGS, WELL_WEIGHTED = 4, 0.7
 """
 NUMBERS_STEPS, PASS_STEPS, LAST_STEPS = 3, 4, 8
 """Gauss-Newton steps at most: of the file's numbers alone, between two linearisations, and in the end."""
-Beliefs = Callable[[Effect, str], tuple[float, float]]
 Places = frozenset[tuple[object, ...]]
 """Kind and place of every candidate of a structure."""
 
@@ -137,16 +135,12 @@ class Linearisation:
         library = Library(along, work.whiten, here, *whole, tuple(listed), noise, mask, first)
         return cls(here, Space(library, work.whiten(at.residual), seen), near, noise, mask)
 
-    def weights(self, there: Hypothesis, beliefs: Beliefs | None = None) -> Workspace:
-        """Weights and priors for the fit of a hypothesis."""
-        work = for_fit(self.near, self.noise, self.mask, self.space.seen, there)
-        return dataclasses.replace(work, beliefs=beliefs or self.space.library.beliefs(there.effects))
-
     def fitted(self, there: Hypothesis, steps: int) -> Fit:
         """The fit of a hypothesis, with weights by what the last fit left until it does not outgrow them."""
         beliefs = self.space.library.beliefs(there.effects)
         for _ in range(WEIGHTINGS):
-            work = self.weights(there, beliefs)
+            work = for_fit(self.near, self.noise, self.mask, self.space.seen, there)
+            work = dataclasses.replace(work, beliefs=beliefs)
             made = _natural(fit(there, work, steps=steps), self.space, work)
             there = made.hypothesis
             if made.reduced > WELL_WEIGHTED * expected(work):
@@ -175,8 +169,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         first = first or space.library
         know(space=space)
         stands = standing(space)
-        weights = near.weights(here)
-        best = as_fitted(space, _compared(space, stands), weights)
+        best = _compared(space, stands)
         places = frozenset(identity(space.candidates[c]) for c, _ in best)
         # Where the file's numbers are far off, nothing may look worth adding: only a fit's linearisation can say that.
         stays = k > 0 and _nonlinear(space, best) == _nonlinear(space, stands)
@@ -189,7 +182,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         here = near.fitted(hypothesis_of(space, strong), PASS_STEPS).hypothesis
         space.forget()
     space.known = {}
-    best = as_fitted(space, among_rivals(space, explore(space, [best])), weights)
+    best = among_rivals(space, explore(space, [best]))
     fitted = near.fitted(hypothesis_of(space, best, whole=True), LAST_STEPS)
     return Posterior(space, best, fitted, near.noise, settled, space.known, earlier=earlier)
 

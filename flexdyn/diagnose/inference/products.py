@@ -58,6 +58,11 @@ class Products:
         self.y = np.ascontiguousarray(rows.T)
         self.yy: Array = np.einsum("er,er->e", self.y, self.y)
 
+    @property
+    def room(self) -> int:
+        """Columns that can still be kept; reserved ones that nobody puts take room, too."""
+        return int(self.X.shape[1]) - self._kept
+
     def reserve(self, width: int) -> int:
         """Room for a block of columns, whose rows may be written into `X`; where it begins."""
         first, self._kept = self._kept, self._kept + width

@@ -75,7 +75,6 @@ class Space:
             place = self._put(place, column, alike + self.base)
         self.of[: self.used] = self.products.diagonals().argmax(axis=0)
         self.places = self._counted(self.candidates)
-        self.unkept: dict[frozenset[int], float] = {}
 
     def _negligible(self, made: list[Column]) -> list[tuple[Column, Indices]]:
         """Small amounts of every law without nonlinear parameters: no model is free of them; they are no findings.
@@ -148,7 +147,7 @@ class Space:
         if point in candidate.points:
             return candidate.points.index(point)
         column = self.library.columns(candidate.proposal, point)
-        if column is None or self.used + len(column.std) > len(self.size):
+        if column is None or self.used + len(column.std) > len(self.size) or len(column.std) > self.products.room:
             return None
         first, self.used = self.used, self._put(self.used, column)
         self.of[first : self.used] = self.products.diagonals()[:, first:].argmax(axis=0)
@@ -174,13 +173,8 @@ class Space:
             squares = self.products.squares(columns, mean)
             off = mean - self.prior.mean[columns]
             value = self.noise.log_likelihood(squares) - 0.5 * float(off @ (self.prior.precision[columns] * off))
-            self.known[structure] = value + self.log_volume(structure, own) + self._unkept(structure)
+            self.known[structure] = value + self.log_volume(structure, own)
         return self.known[structure]
-
-    def _unkept(self, structure: Structure) -> float:
-        """What the linear equations promise a structure for leaving out effects that stand, and a fit does not keep."""
-        there = {c for c, _ in structure}
-        return sum(loss for gone, loss in self.unkept.items() if not gone & there)
 
     def log_volume(self, structure: Structure, own: Estimate | None = None) -> float:
         """What a structure's posterior has beside likelihood and priors at the best numbers: Occam's factor.
