@@ -12,7 +12,9 @@ import json
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Iterator, Sequence
+import tempfile
+import tomllib
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 SOURCES = ("pyproject.toml", "flexdyn", "robots", "scripts/flexdyn_program")
@@ -84,18 +86,55 @@ def main(root: Path, site: Path, stamp: Path, extras: str, pip: Sequence[str], w
     stamp.unlink(missing_ok=True)
     how = "the core is compiled: a minute or two" if wheel is None else f"from {wheel.name}"
     print(f"Installing flexdyn[{extras}] into .venv ({how}) ...", flush=True)
+    quiet = ["--quiet", "--disable-pip-version-check"]
     # To compile all libraries to bytecode is half of pip's work; Python does it for those that are imported.
-    install = [*pip, "install", "--no-compile", "--quiet", "--disable-pip-version-check"]
-    what = "." if wheel is None else str(wheel)
-    code = 0
-    if wheel is not None and missing is None:
+    install = [*pip, "install", "--no-compile", *quiet]
+    if wheel is not None:
         # Pip would keep an installed state of the same version; what the wheel asks for comes with its extras.
-        code = subprocess.run([*install, "--force-reinstall", "--no-deps", what], cwd=root, check=False).returncode
-    if code == 0:
-        code = subprocess.run([*install, f"{what}[{extras}]"], cwd=root, check=False).returncode
+        code = _run([*install, "--force-reinstall", "--no-deps", str(wheel)], root) if missing is None else 0
+        code = code or _run([*install, f"{wheel}[{extras}]"], root)
+    elif missing is None:
+        code = _build_and_install([*pip, "wheel", *quiet], install, root, wanted)
+    else:
+        code = _run([*install, *requirements(root, wanted)], root)
     if code == 0:
         write_stamp(stamp, sources, site, known | wanted | BOTH_HOLD)
     return code
+
+
+def _run(command: Sequence[str], root: Path) -> int:
+    return subprocess.run(command, cwd=root, check=False).returncode
+
+
+def _build_and_install(build: Sequence[str], install: Sequence[str], root: Path, extras: set[str]) -> int:
+    """Compile the core while pip installs the libraries, for which one processor is enough; then install both."""
+    with tempfile.TemporaryDirectory() as folder:
+        building = subprocess.Popen([*build, "--no-deps", "--wheel-dir", folder, "."], cwd=root)
+        code = _run([*install, *requirements(root, extras)], root)
+        if code:
+            building.terminate()
+        code = building.wait() or code
+        if code:
+            return code
+        (wheel,) = Path(folder).glob("*.whl")
+        return _run([*install, "--force-reinstall", "--no-deps", str(wheel)], root)
+
+
+def requirements(root: Path, extras: Iterable[str]) -> list[str]:
+    """What the package and some of its extras ask for, as its pyproject.toml says it; extras of extras are followed."""
+    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    own, found, seen, left = f"{project['name']}[", list(project["dependencies"]), set[str](), list(extras)
+    while left:
+        extra = left.pop()
+        if extra in seen:
+            continue
+        seen.add(extra)
+        for each in project["optional-dependencies"][extra]:
+            if each.startswith(own):
+                left += each.removeprefix(own).rstrip("]").split(",")
+            else:
+                found.append(each)
+    return sorted(set(found))
 
 
 def _files(root: Path) -> Iterator[Path]:

@@ -106,8 +106,8 @@ def test_the_least_size_of_a_wave_is_a_step_of_the_encoder(tmp_path: Path) -> No
     bare, noise, start = prepared(model, (measured(model, _turned(0.0)),))
     library = posterior(bare, noise, start).space.library
     friction = ViscousFriction("axle", side="motor", coefficient=1e-3)
-    change = library.equations.residual / library.size_of(friction, library.equations.residual)[0]
-    assert library.size_of(friction, change)[1] == SMALLEST_TORQUE_SHARE
+    change = library.equations.residual / library.sizes.of(friction, library.equations.residual)[0]
+    assert library.sizes.of(friction, change)[1] == SMALLEST_TORQUE_SHARE
     for amplitude in (5.0 * STEP, 40.0 * STEP):
         disc = EncoderEccentricity("q.axle", amplitude=amplitude, harmonic=3.0, phase=0.0)
-        assert library.size_of(disc, change)[1] == pytest.approx(STEP / amplitude, rel=0.1)
+        assert library.sizes.of(disc, change)[1] == pytest.approx(STEP / amplitude, rel=0.1)

@@ -68,7 +68,7 @@ def test_an_effect_in_a_transmission_is_as_large_as_its_torque(
         work.whiten.mask,
     )  # fmt: skip
     change = at.residual - bare.equations.residual
-    share, _ = library.size_of(HYSTERESIS, change)
+    share, _ = library.sizes.of(HYSTERESIS, change)
     of_torque = float(np.sqrt(np.mean(_torque(run) ** 2)) / run.tau[:, 1].std())
     assert share == pytest.approx(of_torque, rel=0.25)
     assert np.sqrt(np.mean(change**2)) < 0.3 * np.sqrt(np.mean(_torque(run) ** 2))

@@ -66,4 +66,4 @@ def test_its_price_is_the_slope_of_the_law(tmp_path: Path) -> None:
         [along.tau[library.equations.filters.instants(len(along.t)), 0] for along in library.equations.motions]
     )
     wanted = -2.0 * np.log1p(np.abs(tau) / 80.0).sum()
-    assert library.log_jacobian(TorqueSaturation("lift", scale=80.0)) == pytest.approx(wanted, rel=1e-4)
+    assert library.sizes.log_jacobian(TorqueSaturation("lift", scale=80.0)) == pytest.approx(wanted, rel=1e-4)

@@ -188,7 +188,7 @@ def _is_large(space: Space, c: int, made: Fit, smallest: float) -> bool:
         return space.candidates[c].number is not None
     without = dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not effect]))
     change = made.equations.residual - made.equations.of(without.model()).residual
-    share, least = space.library.size_of(effect, change, smallest)
+    share, least = space.library.sizes.of(effect, change, smallest)
     return share >= least
 
 

@@ -93,7 +93,7 @@ class Column:
         mean: of the priors (width,).
         positive: coefficients that may not be negative (width,).
         size: root mean square torque of each column, as a share of its joint's (width,).
-        log_jacobian: what a law that forgets the recorded torque costs (see `Library.log_jacobian`).
+        log_jacobian: what a law that forgets the recorded torque costs (see `Sizes.log_jacobian`).
         gained: rows that a gain of the torque scales, if the coefficient is one.
         smallest: share of its joint's torque from which an effect is one [1].
         kept: where in `Products.X` the rows have been written; None: nowhere.

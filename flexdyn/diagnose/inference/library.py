@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,9 +15,6 @@ from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.equations.columns import of_parameter
 from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.equations.layout import MOTOR, TOTAL, TRANSMISSION
-from flexdyn.diagnose.equations.terms import of_joint, spring_torque
-from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, kind_and_place
 from flexdyn.diagnose.hypothesis.linear import tangent_scale
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
@@ -33,8 +30,9 @@ from flexdyn.diagnose.inference.priors import (
     UNKNOWN_WIDTH,
 )
 from flexdyn.diagnose.inference.products import Products
+from flexdyn.diagnose.inference.sizes import Sizes
 from flexdyn.diagnose.lazy import lazy
-from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError, registered
+from flexdyn.effects import Effect, JointEffect, TorqueConstantError, registered
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -71,21 +69,9 @@ class Library:
     first: Library | None = None
 
     @lazy
-    def reference(self) -> Array:
-        """Root mean square of what each equation is about: torque, or deflection (equations,).
-
-        Computed positions have the torque's noise, which only the second filter takes off their accelerations.
-        """
-        motions, filters = self.equations.motions, self.equations.filters
-        calm = filters.rows if self.equations.made_up.any() else np.asarray
-        tau, needed, delta = (
-            np.concatenate([calm(getattr(along, name)) for along in motions])
-            for name in ("tau", "inverse_dynamics", "delta")
-        )
-        torque = np.sqrt(np.maximum((tau**2).mean(axis=0), (needed**2).mean(axis=0)))
-        torque = np.maximum(torque, 1e-6 * max(float(torque.max()), 1e-300))
-        kinds = self.equations.kinds
-        return np.array([max(float(delta[:, j].std()), 1e-12) if k == TRANSMISSION else torque[j] for j, k in kinds])
+    def sizes(self) -> Sizes:
+        """How large effects are here."""
+        return Sizes(self.equations, self.noise, self.mask)
 
     def always(self) -> Column:
         """The file's numbers, within their tolerance, and offsets of the encoders."""
@@ -135,17 +121,18 @@ class Library:
         return found
 
     def _column(self, proposal: Proposal, point: Point, raw: Array, white: NDArray[np.float32]) -> Column | None:
-        width, largest = len(raw), np.maximum(self._size(raw), [self._carried(*unit) for unit in proposal.units(point)])
+        sizes, width = self.sizes, len(raw)
+        largest = np.maximum(sizes.largest(raw), [sizes.carried(*unit) for unit in proposal.units(point)])
         if not np.isfinite(largest).all() or (largest == 0.0).any() or not white.any(axis=(0, 2)).all():
             return None
         if proposal.fixed:
-            cost = sum(self.log_jacobian(effect) for effect, _ in proposal.units(point))
+            cost = sum(sizes.log_jacobian(effect) for effect, _ in proposal.units(point))
             return Column(white, np.full(width, FIXED_SIZE_WIDTH), np.ones(width), np.ones(width, bool), largest, cost)
         scale = EFFECT_TORQUE_SHARE / np.maximum(largest, self._given_size(proposal, point, largest))
         scale = np.array([_natural(proposal.place["effect"], float(each)) for each in scale])
         signs = np.array([*proposal.positive, *[False] * width][:width])
-        gained = self._rows_of(proposal.place["joint"]) if proposal.place["effect"] == TorqueConstantError.name else 0
-        least = max(SMALLEST_TORQUE_SHARE, self._resolution(proposal.place) * float(largest.max()))
+        gained = sizes.rows_of(proposal.place["joint"]) if proposal.place["effect"] == TorqueConstantError.name else 0
+        least = max(SMALLEST_TORQUE_SHARE, sizes.resolution(proposal.place) * float(largest.max()))
         return Column(white, scale, np.zeros(width), signs, largest, gained=gained, smallest=least)
 
     def standing(
@@ -163,7 +150,7 @@ class Library:
         others = tuple(each for each in self.start.effects if each is not effect)
         without = self.equations.of(dataclasses.replace(self.start, effects=others).model())
         change = self.equations.residual - without.residual
-        share, least = self.size_of(effect, change)
+        share, least = self.sizes.of(effect, change)
         parts, size, mean, std, names = [self.whiten(change)], [share], [1.0], [FITTED_SIZE_WIDTH], []
         for each, name in self.start.unknowns():
             if each is not effect or (
@@ -172,7 +159,7 @@ class Library:
                 continue
             scale = tangent_scale(effect, name)
             raw = scale * of_parameter(self.equations, effect, name, 0.1 * scale)
-            largest = self._size(raw[None])[0]
+            largest = self.sizes.largest(raw[None])[0]
             if not np.isfinite(largest) or largest == 0.0:
                 continue
             off, spread = belief(effect, name)
@@ -183,7 +170,7 @@ class Library:
             names.append(name)
         most = max((d * s for d, s in zip(std[1:], size[1:], strict=True) if np.isfinite(d)), default=np.inf)
         std = [min(d, most / s if np.isinf(d) else d, UNKNOWN_WIDTH) for d, s in zip(std, size, strict=True)]
-        white, cost = np.stack(parts, axis=1), self.log_jacobian(effect)
+        white, cost = np.stack(parts, axis=1), self.sizes.log_jacobian(effect)
         return Column.of(white, self._many, np.array(std), np.array(mean), np.array(size), cost, least), names
 
     def belief(self, effect: Effect, name: str) -> tuple[float, float]:
@@ -196,7 +183,7 @@ class Library:
         if nothing is not None and np.isfinite(nothing):
             scale = tangent_scale(effect, name)
             raw = of_parameter(self.equations, effect, name, 0.1 * scale)
-            largest = float(self._size(raw[None])[0])
+            largest = float(self.sizes.largest(raw[None])[0])
             spread = _natural(effect.name, EFFECT_TORQUE_SHARE / largest) if 0.0 < largest < np.inf else np.inf
             return (float(nothing) - value, spread) if np.isfinite(spread) else (0.0, np.inf)
         proposal = next(p for p in self.proposals if p.is_of(effect))
@@ -208,46 +195,6 @@ class Library:
         low, high = float(np.log(min(grid))), float(np.log(max(grid)))
         return -value * (float(np.log(value)) - 0.5 * (low + high)), value * max(0.5 * (high - low), 0.1)
 
-    def size_of(self, effect: Effect, change: Array, least: float = SMALLEST_TORQUE_SHARE) -> tuple[float, float]:
-        """Share of its joint's torque that an effect has, and the one from which it is one [1].
-
-        Args:
-            effect: of which.
-            change: of the residual by it (rows,).
-            least: share of the torque below which an effect is none, whatever the encoders resolve [1].
-        """
-        share = max(float(self._size(change[None])[0]), self._carried(effect))
-        angle = abs(float(getattr(effect, effect.position_error or "-", np.inf)))
-        place = {key: str(getattr(effect, key)) for key in ("joint", "channel") if hasattr(effect, key)}
-        return share, max(least, self._resolution({"effect": effect.name, **place}) / max(angle, 1e-300) * share)
-
-    def _carried(self, effect: Effect, scale: float = 1.0) -> float:
-        """Share of its joint's torque that a law of a transmission makes there, over `scale` [1].
-
-        Where one of the two positions is computed, the rows have only what this does to the computed one. 0 elsewhere.
-        """
-        true = self.equations.true
-        if not isinstance(effect, JointEffect) or effect.side != "transmission":
-            return 0.0
-        j = true.index(effect.joint)
-        if not self.equations.made_up[j]:
-            return 0.0
-        others = [each for each in of_joint(true.all_effects, effect.joint) if each != effect]
-        parts = [
-            spring_torque(true, [*others, effect], along, j)[:, 0] - spring_torque(true, others, along, j)[:, 0]
-            for along in self.equations.motions
-        ]
-        row = next(k for k, (i, _) in enumerate(self.equations.kinds) if i == j)
-        return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)) / (self.reference[row] * scale))
-
-    def _resolution(self, place: Mapping[str, str]) -> float:
-        """Step of the encoders [rad or m] for effects on positions: what is smaller may be rounding; 0 for others."""
-        signal, _, joint = place.get("channel", "").partition(".")
-        if not registered()[place["effect"]].position_error or signal.startswith("tau"):
-            return 0.0
-        j = self.equations.true.index(place.get("joint") or joint)
-        return float(np.sqrt(12.0) * max(self.noise.q[j], self.noise.theta[j]))
-
     def _ratio(self, proposal: Proposal) -> float:
         """Gear ratio of the joint that a proposal is about."""
         joints = self.equations.true.joints
@@ -256,42 +203,9 @@ class Library:
     def _given_size(self, proposal: Proposal, point: Point, else_: Array) -> Array:
         """Largest shares of a proposal's columns in the model as given (width,)."""
         if self.first is None:
-            self.sizes[(tuple(sorted(proposal.place.items())), point)] = else_
+            self.given_sizes[(tuple(sorted(proposal.place.items())), point)] = else_
             return else_
-        return self.first.sizes.get((tuple(sorted(proposal.place.items())), point), else_)
-
-    def _rows_of(self, joint: str) -> int:
-        """Rows that a gain of a joint's torque scales: those that the recorded torque makes a position for.
-
-        Elsewhere the column of a gain is made of the torque that the model needs, which has no noise of the record.
-        """
-        j = self.equations.true.index(joint)
-        if not self.equations.made_up[j]:
-            return 0
-        which = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
-        return int((~self.mask.reshape(-1, len(self.equations.kinds))[:, which]).sum())
-
-    def log_jacobian(self, effect: Effect) -> float:
-        """Logarithm of how the applied torque changes with the recorded one, summed over the rows.
-
-        The rows are measured in recorded torque. Where a law cuts it off, it may be anything beyond: its density is
-        then one over its range, not one over its noise.
-        """
-        if isinstance(effect, TorqueConstantError):
-            return self._rows_of(effect.joint) * float(np.log(max(1.0 + effect.gain, 0.01)))
-        if not isinstance(effect, JointEffect) or effect.stage != "actuator" or isinstance(effect, CommandDelay):
-            return 0.0
-        j, total = self.equations.true.index(effect.joint), 0.0
-        rows = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
-        floor = self.noise.tau[j] / self.reference[rows[0]]
-        for along in self.equations.motions:
-            at = self.equations.filters.instants(len(along.t))
-            x, u, tau, t = along.theta[at, j], along.omega[at, j], along.tau[at, j], along.t[at]
-            step = 1e-3 * float(self.reference[rows[0]])
-            ahead, behind = (torque_of(effect, x, u, t=t, tau=tau + sign * step) for sign in (1.0, -1.0))
-            slope = np.abs(ahead - behind) / (2.0 * step)
-            total += float(np.log(np.clip(slope, floor, 1.0)).sum())
-        return total
+        return self.first.given_sizes.get((tuple(sorted(proposal.place.items())), point), else_)
 
     def alone(self, effect: Effect) -> Library:
         """The library at the same numbers and no effect but one."""
@@ -299,7 +213,7 @@ class Library:
         return dataclasses.replace(self, equations=self.equations.of(there.model()), start=there)
 
     @lazy
-    def sizes(self) -> dict[tuple[object, ...], Array]:
+    def given_sizes(self) -> dict[tuple[object, ...], Array]:
         """Largest shares of the columns made so far."""
         return {}
 
@@ -328,13 +242,6 @@ class Library:
             column = self.columns(next(p for p in self.proposals if p.is_of(effect)), ())
             return np.inf if column is None else float(column.std[0])
         return self.alone(effect).belief(effect, name)[1]
-
-    def _size(self, raw: Array) -> Array:
-        """Largest share of what an equation is about that columns have, (columns, rows) -> (columns,)."""
-        table = raw.reshape(len(raw), -1, self._many)
-        return np.asarray(
-            (np.sqrt(np.einsum("kte,kte->ke", table, table) / table.shape[1]) / self.reference).max(axis=1)
-        )
 
     @property
     def _open(self) -> list[Proposal]:

@@ -1,0 +1,132 @@
+"""How large effects are: shares of what each equation is about, and what they do to the density of the rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.equations.covariance import SampleNoise
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.layout import MOTOR, TOTAL, TRANSMISSION
+from flexdyn.diagnose.equations.terms import of_joint, spring_torque
+from flexdyn.diagnose.equations.users_laws import torque_of
+from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
+from flexdyn.diagnose.lazy import lazy
+from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError, registered
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Sizes:
+    """Sizes of effects and of columns.
+
+    Attributes:
+        equations: where the effects act.
+        noise: of the channels.
+        mask: rows that say nothing (rows,).
+    """
+
+    equations: Equations
+    noise: SampleNoise
+    mask: NDArray[np.bool_]
+
+    @lazy
+    def reference(self) -> Array:
+        """Root mean square of what each equation is about: torque, or deflection (equations,).
+
+        Computed positions have the torque's noise, which only the second filter takes off their accelerations.
+        """
+        motions, filters = self.equations.motions, self.equations.filters
+        calm = filters.rows if self.equations.made_up.any() else np.asarray
+        tau, needed, delta = (
+            np.concatenate([calm(getattr(along, name)) for along in motions])
+            for name in ("tau", "inverse_dynamics", "delta")
+        )
+        torque = np.sqrt(np.maximum((tau**2).mean(axis=0), (needed**2).mean(axis=0)))
+        torque = np.maximum(torque, 1e-6 * max(float(torque.max()), 1e-300))
+        kinds = self.equations.kinds
+        return np.array([max(float(delta[:, j].std()), 1e-12) if k == TRANSMISSION else torque[j] for j, k in kinds])
+
+    def largest(self, raw: Array) -> Array:
+        """Largest share of what an equation is about that columns have, (columns, rows) -> (columns,)."""
+        table = raw.reshape(len(raw), -1, len(self.equations.kinds))
+        return np.asarray(
+            (np.sqrt(np.einsum("kte,kte->ke", table, table) / table.shape[1]) / self.reference).max(axis=1)
+        )
+
+    def of(self, effect: Effect, change: Array, least: float = SMALLEST_TORQUE_SHARE) -> tuple[float, float]:
+        """Share of its joint's torque that an effect has, and the one from which it is one [1].
+
+        Args:
+            effect: of which.
+            change: of the residual by it (rows,).
+            least: share of the torque below which an effect is none, whatever the encoders resolve [1].
+        """
+        share = max(float(self.largest(change[None])[0]), self.carried(effect))
+        angle = abs(float(getattr(effect, effect.position_error or "-", np.inf)))
+        place = {key: str(getattr(effect, key)) for key in ("joint", "channel") if hasattr(effect, key)}
+        return share, max(least, self.resolution({"effect": effect.name, **place}) / max(angle, 1e-300) * share)
+
+    def carried(self, effect: Effect, scale: float = 1.0) -> float:
+        """Share of its joint's torque that a law of a transmission makes there, over `scale` [1].
+
+        Where one of the two positions is computed, the rows have only what this does to the computed one. 0 elsewhere.
+        """
+        true = self.equations.true
+        if not isinstance(effect, JointEffect) or effect.side != "transmission":
+            return 0.0
+        j = true.index(effect.joint)
+        if not self.equations.made_up[j]:
+            return 0.0
+        others = [each for each in of_joint(true.all_effects, effect.joint) if each != effect]
+        parts = [
+            spring_torque(true, [*others, effect], along, j)[:, 0] - spring_torque(true, others, along, j)[:, 0]
+            for along in self.equations.motions
+        ]
+        row = next(k for k, (i, _) in enumerate(self.equations.kinds) if i == j)
+        return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)) / (self.reference[row] * scale))
+
+    def resolution(self, place: Mapping[str, str]) -> float:
+        """Step of the encoders [rad or m] for effects on positions: what is smaller may be rounding; 0 for others."""
+        signal, _, joint = place.get("channel", "").partition(".")
+        if not registered()[place["effect"]].position_error or signal.startswith("tau"):
+            return 0.0
+        j = self.equations.true.index(place.get("joint") or joint)
+        return float(np.sqrt(12.0) * max(self.noise.q[j], self.noise.theta[j]))
+
+    def rows_of(self, joint: str) -> int:
+        """Rows that a gain of a joint's torque scales: those that the recorded torque makes a position for.
+
+        Elsewhere the column of a gain is made of the torque that the model needs, which has no noise of the record.
+        """
+        j = self.equations.true.index(joint)
+        if not self.equations.made_up[j]:
+            return 0
+        which = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
+        return int((~self.mask.reshape(-1, len(self.equations.kinds))[:, which]).sum())
+
+    def log_jacobian(self, effect: Effect) -> float:
+        """Logarithm of how the applied torque changes with the recorded one, summed over the rows.
+
+        The rows are measured in recorded torque. Where a law cuts it off, it may be anything beyond: its density is
+        then one over its range, not one over its noise.
+        """
+        if isinstance(effect, TorqueConstantError):
+            return self.rows_of(effect.joint) * float(np.log(max(1.0 + effect.gain, 0.01)))
+        if not isinstance(effect, JointEffect) or effect.stage != "actuator" or isinstance(effect, CommandDelay):
+            return 0.0
+        j, total = self.equations.true.index(effect.joint), 0.0
+        rows = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
+        floor = self.noise.tau[j] / self.reference[rows[0]]
+        for along in self.equations.motions:
+            at = self.equations.filters.instants(len(along.t))
+            x, u, tau, t = along.theta[at, j], along.omega[at, j], along.tau[at, j], along.t[at]
+            step = 1e-3 * float(self.reference[rows[0]])
+            ahead, behind = (torque_of(effect, x, u, t=t, tau=tau + sign * step) for sign in (1.0, -1.0))
+            slope = np.abs(ahead - behind) / (2.0 * step)
+            total += float(np.log(np.clip(slope, floor, 1.0)).sum())
+        return total
