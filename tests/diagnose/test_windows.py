@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
+from flexdyn.diagnose.shooting.shooter import Shooter
 from flexdyn.diagnose.shooting.windows import Windows
 from tests.diagnose.truths import Levels, slider_model
 
@@ -46,6 +47,19 @@ def test_windows_of_several_recordings_keep_their_place(tmp_path: Path) -> None:
     windows = Windows.of(slider_model(tmp_path), [first, second], LEVELS)
     assert windows.places.tolist() == [[0, 0], [1, 0], [1, 500]]
     np.testing.assert_allclose(windows.t[:, 0], [0.0, 5.0, 5.5])
+
+
+def test_a_model_with_a_delay_is_compared_over_the_same_windows(tmp_path: Path) -> None:
+    """It does not know the torques before a recording: windows that begin there are left out, if there are others."""
+    model = slider_model(tmp_path)
+    late = model.replace(effects=[fd.effects.CommandDelay("lift", delay=0.02)])
+    whole, short = recording(np.arange(1600) / 1000.0), recording(np.arange(600) / 1000.0)
+    windows = Windows.of(model, [whole, short], LEVELS)
+    assert Shooter(late, windows).torques_known.tolist() == [False, True, True, False]
+    later = windows.preceded()
+    assert later.places.tolist() == [[0, 500], [0, 1000]]
+    assert Shooter(late, later).torques_known.all()
+    assert len(Windows.of(model, [short], LEVELS).preceded()) == 1
 
 
 def test_a_channel_that_one_recording_lacks_is_not_measured_there(tmp_path: Path) -> None:

@@ -113,10 +113,10 @@ def _on_fit(
 
 
 def _contradicting(first: OnFit) -> Windows | None:
-    """Windows of the fit that leave more than noise; None: they do not, or there are none."""
+    """Windows of the fit for comparisons, if they leave more than noise; None: they do not, or there are none."""
     if first.shots is None or not unlike_noise(first.shots.after, first.shots.gap.floor):
         return None
-    return first.shots.after.windows
+    return first.shots.after.windows.preceded()
 
 
 def known(

@@ -86,6 +86,12 @@ class SmoothedMotion(Smoothed):
         """Mass matrices (samples, n, n) [kg m^2]."""
         return self.links.mass_matrix(self.q)
 
+    @lazy
+    def ranges(self) -> tuple[float, float, float]:
+        """Largest range of a position, of a speed and of a torque M a + h."""
+        q, v, torque = (float(np.ptp(x, axis=0).max()) for x in (self.q, self.v, self.inverse_dynamics))
+        return q, v, torque
+
     def dragged(self, j: int, moved: Sequence[Array], at: Places = slice(None)) -> Array:
         """Change of M a + h (samples, n) by changes of a joint's position, speed and acceleration.
 
@@ -98,11 +104,10 @@ class SmoothedMotion(Smoothed):
         """
         if self.near is not None and isinstance(at, slice):
             return self.near.dragged(j, moved, at)
-        slopes = (*self._slopes(j, at), self.M[at, :, j])
-        return np.asarray(sum(s * d[:, None] for s, d in zip(slopes, moved, strict=True)))
+        return np.asarray(sum(s * d[:, None] for s, d in zip(self._slopes(j, at), moved, strict=True)))
 
-    def _slopes(self, j: int, at: Places) -> tuple[Array, Array]:
-        """Slopes of h by a joint's position and by its speed (samples, n); they are kept for further columns."""
+    def _slopes(self, j: int, at: Places) -> tuple[Array, Array, Array]:
+        """Slopes of M a + h by a joint's position, speed and acceleration (samples, n); kept for further columns."""
         place = (j, isinstance(at, slice))
         if place not in self._known:
             q, v = self.q[at], self.v[at]
@@ -111,11 +116,12 @@ class SmoothedMotion(Smoothed):
             faster[:, j] += DYNAMICS_STEP
             given = self.links.bias(q, v)
             by_place, by_speed = self.links.bias(ahead, v) - given, self.links.bias(q, faster) - given
-            self._known[place] = (by_place / DYNAMICS_STEP, by_speed / DYNAMICS_STEP)
+            M = self.M if isinstance(at, slice) else self.links.mass_matrix(q)
+            self._known[place] = (by_place / DYNAMICS_STEP, by_speed / DYNAMICS_STEP, M[:, :, j])
         return self._known[place]
 
     @lazy
-    def _known(self) -> dict[tuple[int, bool], tuple[Array, Array]]:
+    def _known(self) -> dict[tuple[int, bool], tuple[Array, Array, Array]]:
         return {}
 
 
@@ -138,7 +144,7 @@ def _alike(one: SmoothedMotion, base: SmoothedMotion) -> bool:
         return False
     pairs = ((one.q, base.q), (one.v, base.v), (one.inverse_dynamics, base.inverse_dynamics))
     shares = (SHARED_MOTION_SHARE, SHARED_MOTION_SHARE, SHARED_TORQUE_SHARE)
-    return all(np.abs(a - b).max() <= s * np.ptp(b, axis=0).max() for (a, b), s in zip(pairs, shares, strict=True))
+    return all(np.abs(a - b).max() <= s * r for (a, b), s, r in zip(pairs, shares, base.ranges, strict=True))
 
 
 def smoothed(

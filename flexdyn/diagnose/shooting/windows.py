@@ -113,6 +113,14 @@ class Windows:
         kept = np.unique(np.linspace(0, len(self) - 1, min(len(self), most)).round().astype(np.int64))
         return dataclasses.replace(self, places=self.places[kept])
 
+    def preceded(self) -> Windows:
+        """Those that do not begin with their recording; all, where there are no others.
+
+        A model with a delay needs torques from before a window. So all models are compared over the same windows.
+        """
+        later = self.places[:, 1] > 0
+        return dataclasses.replace(self, places=self.places[later]) if later.any() else self
+
     def __len__(self) -> int:
         """Number of windows."""
         return len(self.places)

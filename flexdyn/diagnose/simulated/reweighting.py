@@ -109,17 +109,24 @@ class Simulated:
         return structure in self.fits and self.fits[structure].shot.is_noise()
 
     def around(self, here: Structure) -> None:
-        """Compare the neighbours of a structure, the best ones with their own numbers.
+        """Compare a fitted structure with those that lack one of its candidates, or have another in its place.
 
-        A structure that was fitted is compared with what it would be without each of its candidates, fitted as well.
+        All that lack a candidate are fitted, and the best ones that have another.
         """
         swaps = []
         for each in sorted(here):
             self.fit(here - {each})
             swaps += self._with_one_more(here - {each}, SWAPS, but=each[0])
-        additions = self._with_one_more(here, ADDITIONS)
-        for structure in (*self._first(additions)[:1], *self._first(swaps)[:FITTED_SWAPS]):
+        for structure in self._first(swaps)[:FITTED_SWAPS]:
             self.fit(structure)
+
+    def grown(self, here: Structure) -> Structure:
+        """A fitted structure with what its windows lack, candidate by candidate, as long as that is better."""
+        for more in self._first(self._with_one_more(here, ADDITIONS))[:1]:
+            self.fit(more)
+            if self.known[more] > self.known[here]:
+                return self.grown(more)
+        return here
 
     def _with_one_more(self, base: Structure, most: int, but: int | None = None) -> list[Structure]:
         """A structure with each of the candidates that the equations, or its windows, like best; simulated."""
@@ -138,6 +145,7 @@ class Simulated:
             self.fit(here)
             if here not in self.fits:
                 break
+            here = self.grown(here)
             self.around(here)
             if self.best() == here:
                 break

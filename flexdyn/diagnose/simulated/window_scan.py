@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import cho_solve
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.inference.gram import added_evidence, lower_factor
+from flexdyn.diagnose.inference.gram import lower_factor
 from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import waits
@@ -43,9 +43,10 @@ def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addit
     """All candidates that a structure may get, those first that promise most.
 
     With weighted innovations y of the windows, their derivatives X by the numbers that are there and Z by a candidate's
-    numbers, ``min |y + X b + Z c|^2`` and priors give c and its evidence as eq. (4) does for the equations. A law with
-    nonlinear parameters is at the grid point that the equations like best. Effects that the equations started from, and
-    elasticity of a rigid joint, are left to the equations.
+    numbers, ``min |y + X b + Z c|^2`` and priors give c, and what it takes off. Prior and volume are those of the
+    equations, as for structures that are simulated. A law with nonlinear parameters is at the grid point that the
+    equations like best. Effects that the equations started from, and elasticity of a rigid joint, are left to the
+    equations.
 
     Args:
         here: the structure, fitted to the windows.
@@ -57,7 +58,7 @@ def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addit
     X, precision = regression.X[:, seen], regression.sigma[seen] ** -2.0
     root = lower_factor(X.T @ X + np.diag(precision))
     right = precision * regression.centre[seen] - X.T @ regression.y
-    prior, found, before = space.prior, [], space.log_prior(structure)
+    prior, found, before = space.prior, [], space.log_volume(structure)
     for _, (c, p) in Scan(space).additions(structure):
         check()
         with contextlib.suppress(FlexdynError):
@@ -66,17 +67,18 @@ def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addit
                 continue
             C = X.T @ Z
             columns = space.candidates[c].columns[p]
-            lam, mu = prior.precision[None, columns], prior.mean[None, columns]
-            bounded = prior.positive[None, columns]
-            S = Z.T @ Z - C.T @ cho_solve((root, True), C)
-            left = lam[0] * mu[0] - Z.T @ regression.y - C.T @ cho_solve((root, True), right)
-            (gain,), (x,) = added_evidence(S[None], left[None], lam, mu, bounded)
-            if not np.isfinite(gain):
-                continue
-            x = np.where(bounded[0], np.maximum(x, 0.0), x)
+            lam, mu = prior.precision[columns], prior.mean[columns]
+            S = Z.T @ Z - C.T @ cho_solve((root, True), C) + np.diag(lam)
+            left = lam * mu - Z.T @ regression.y - C.T @ cho_solve((root, True), right)
+            x = np.linalg.solve(S, left)
+            x = np.where(prior.positive[columns], np.maximum(x, 0.0), x)
+            rise = float(x @ left - 0.5 * (x @ S @ x + mu @ (lam * mu)))
             tried = (space.candidates[c].effect(p, share * x) for share in STEP_SHARES)
             effects = tuple(each for each in tried if each is not None and not each.is_neutral)
-            found.append(Addition(float(gain) + space.log_prior(structure | {(c, p)}) - before, (c, p), effects))
+            if not effects and space.candidates[c].number is None:
+                continue  # it would be none
+            gain = rise + space.log_volume(structure | {(c, p)}) - before
+            found.append(Addition(gain, (c, p), effects))
     return sorted(found, key=lambda each: (-each.gain, each.point))
 
 
