@@ -139,10 +139,10 @@ def test_windows_promise_what_is_missing_and_nothing_where_nothing_is(tmp_path: 
     lacking = fit_to_windows(WindowFit.of(fit(start, found.fitted.space, steps=1), windows))
     best = promising(lacking, found.space, frozenset())[0]
     assert best.gain > 10.0
-    (whole, *_) = best.effects
+    (step, whole), *_ = best.tried
     assert isinstance(whole, fd.effects.TorqueOffset)
     assert whole.offset == pytest.approx(offset, rel=0.1)
-    right = fit_to_windows(lacking.with_one_more(whole, None))
+    right = fit_to_windows(lacking.with_one_more(whole, None, step))
     assert all(each.gain < 3.0 for each in promising(right, found.space, frozenset({best.point})))
 
 

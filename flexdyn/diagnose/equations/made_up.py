@@ -55,13 +55,13 @@ def made_up(
         v, a = kernel.apply(q, 1), kernel.apply(q, 2)
         total = links.inverse_dynamics(smooth_q, v, a)
     for j in np.flatnonzero(only_motor).tolist():
-        rubbing = _friction(model, j, "motor", smooth_theta[:, j], omega[:, j], t)
+        rubbing = friction_of(model, j, "motor", smooth_theta[:, j], omega[:, j], t)
         carried = smooth_tau[:, j] - model.rotor_inertia[j] * alpha[:, j] - rubbing
         smooth_q[:, j] -= _wound(model, j, rests.instead(j, total[:, j], carried) if rests else carried)
     if only_link.any():
         total = links.inverse_dynamics(smooth_q, v, a)
         for j in np.flatnonzero(only_link).tolist():
-            rubbing = _friction(model, j, "link", smooth_q[:, j], v[:, j], t)
+            rubbing = friction_of(model, j, "link", smooth_q[:, j], v[:, j], t)
             smooth_theta[:, j] = smooth_q[:, j] + _wound(model, j, total[:, j] + rubbing)
     return smooth_q, smooth_theta
 
@@ -91,7 +91,7 @@ def _more(springs: list[HardeningSpring | SpringHysteresis], seen: Array) -> Arr
     return np.asarray(sum(parts, still))
 
 
-def _friction(model: FlexibleJointModel, j: int, side: str, x: Array, u: Array, t: Array) -> Array:
+def friction_of(model: FlexibleJointModel, j: int, side: str, x: Array, u: Array, t: Array) -> Array:
     """Friction torque (samples,) on one side of a joint."""
     known = [e for e in _acting(model, j) if e.side == side and e.of_velocity]
     return np.asarray(sum((torque_of(e, x, u, t=t, tau=np.zeros_like(x)) for e in known), np.zeros_like(x)))

@@ -131,14 +131,17 @@ def reached(hypothesis: Hypothesis, at: Equations, space: Workspace) -> float:
 def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) -> Array:
     """Whitened derivatives of the file's numbers (rows, numbers); derivatives that have changed are computed again.
 
-    These are those of numbers far from their given values, and those of a joint whose encoders or spring were wrong,
+    These are those of numbers far from their given values, those of a joint whose encoders or spring were wrong,
     because its deflection is smaller than sensor errors. Mass, centre of mass and inertia of a link multiply one
-    another: if one of them is far off, or the links carry more, all are computed again.
+    another: if one of them is far off, or the links carry more, all are computed again; so are those of links, and of
+    the joint, where an effect changes the torque from which a position is computed.
     """
     numbers, effects = hypothesis.factors, hypothesis.effects
     far = {n for n, factor in numbers.items() if abs(factor - 1.0) > SAME_DERIVATIVE_DISTANCE}
-    links = any(number.joint is None for number in far) or any(e.stage == "inertia" for e in effects)
-    joints = {getattr(e, "joint", None) for e in effects if isinstance(e, SensorEffect) or e.position_error}
+    computed = {name for name, made_up in zip(at.true.joint_names, at.made_up, strict=True) if made_up}
+    wound = {getattr(e, "joint", None) for e in effects} & computed
+    links = bool(wound) or any(n.joint is None for n in far) or any(e.stage == "inertia" for e in effects)
+    joints = wound | {getattr(e, "joint", None) for e in effects if isinstance(e, SensorEffect) or e.position_error}
     anew = [n for n in numbers if n in far or n.joint in joints or (links and n.joint is None)]
     if not anew:
         return space.numbers

@@ -8,7 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.made_up import friction_of
+from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.effects import Effect, effect_from_dict
 from flexdyn.effects.extent import MotionExtent
@@ -78,7 +81,8 @@ def extent_of(equations: Equations, j: int) -> MotionExtent:
         np.concatenate([getattr(m, name)[:, j] for m in equations.motions])
         for name in ("omega", "theta", "delta", "tau", "q")
     )
-    needed = np.concatenate([equations.needed(along, j) for along in equations.motions])
+    of_motion = _of_rigid_motion if equations.made_up[j] else Equations.needed
+    needed = np.concatenate([of_motion(equations, along, j) for along in equations.motions])
     asked = max(float(np.abs(tau).max()), 1e-9)
     elastic = bool(equations.true.elastic[j])
     wound = float(np.percentile(np.abs(delta - np.median(delta)), 99.5)) if elastic else 0.0
@@ -98,6 +102,19 @@ def extent_of(equations: Equations, j: int) -> MotionExtent:
         turns=equations.true.robot.kinds[j] != "prismatic",
         half_gaps=tuple(half_gaps(equations, j, deflection)) if elastic else (),
     )
+
+
+def _of_rigid_motion(equations: Equations, along: SmoothedMotion, j: int) -> Array:
+    """Motor torque (times,) that the measured motion needs if no spring winds.
+
+    A position that is computed from the recorded torque needs just this torque, however much of it was lost.
+    """
+    true, first = equations.true, equations.data[0]
+    pairs = ((along.q, along.theta), (along.v, along.omega), (along.a, along.alpha))
+    x, u, a = (np.where(first.has_q, *pair) for pair in pairs)
+    rubbing = sum(friction_of(true, j, side, x[:, j], u[:, j], along.t) for side in ("motor", "link"))
+    total = equations.links.inverse_dynamics(x, u, a)[:, j] + true.rotor_inertia[j] * a[:, j] + rubbing
+    return equations.filters.rows(total)
 
 
 def declared(

@@ -64,6 +64,6 @@ def _log_posterior(space: Space, structure: Structure, made: Fit) -> float:
     if isinstance(whiten, Tempered):
         squares = squares * whiten.error.scale**2 * whiten.error.times
     centre, sigma = priors(made.hypothesis, made.space)
-    return (
-        space.noise.log_likelihood(squares) - 0.5 * float(np.sum((centre / sigma) ** 2)) + space.log_volume(structure)
-    )
+    own = space.gram.estimate(space.columns(structure))
+    volume = space.log_volume(structure, own) + space.log_large(structure, own)
+    return space.noise.log_likelihood(squares) - 0.5 * float(np.sum((centre / sigma) ** 2)) + volume

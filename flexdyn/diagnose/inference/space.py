@@ -173,19 +173,20 @@ class Space:
             squares = self.products.squares(columns, mean)
             off = mean - self.prior.mean[columns]
             value = self.noise.log_likelihood(squares) - 0.5 * float(off @ (self.prior.precision[columns] * off))
-            self.known[structure] = value + self.log_volume(structure, own)
+            self.known[structure] = value + self.log_volume(structure, own) + self.log_large(structure, own)
         return self.known[structure]
 
     def log_volume(self, structure: Structure, own: Estimate | None = None) -> float:
         """What a structure's posterior has beside likelihood and priors at the best numbers: Occam's factor.
+
+        Sizes of effects do not count here: whether they are large enough is a matter of the data that measure them.
 
         Args:
             structure: candidates with their grid points.
             own: its coefficients; None: they are estimated.
         """
         own = own or self.gram.estimate(self.columns(structure))
-        signs = self.log_large(structure, own) + self._log_positive(structure, own)
-        return own.log_volume + self.log_prior(structure) + signs
+        return own.log_volume + self.log_prior(structure) + self._log_positive(structure, own)
 
     def _log_positive(self, structure: Structure, own: Estimate) -> float:
         """Log probability that masses, stiffnesses, dampings and levels of the file are positive, less that before.

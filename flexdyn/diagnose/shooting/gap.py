@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.equations.shared import same_signals
 from flexdyn.diagnose.shooting.matched import FAILED_WINDOW_SHARE, Matching, bounded_residual
 from flexdyn.diagnose.shooting.shooter import Shooter
 from flexdyn.diagnose.shooting.starts import first_states
@@ -127,9 +128,14 @@ class Shot:
         return np.asarray(self._filter.counted.sum(axis=(1, 2)))
 
     def residual_of(self, model: FlexibleJointModel) -> Array:
-        """Simulated - measured for another model with the same first states (windows, rows, channels)."""
+        """Simulated - measured for another model with the same first states (windows, rows, channels).
+
+        If its sensors differ, so do the states that they measure at a window's start: by as much as the prior means.
+        """
         shooter = Shooter(model, self.windows)
         x0 = _fitting(self.x0, self.model, shooter)
+        if x0.shape == self._moved.shape and not same_signals(self.model, model):
+            x0 = shooter.bounded(first_states(shooter).x + self._moved)
         return bounded_residual(shooter, shooter.run(x0), self.used)
 
     def floor(self, seed: int = 1) -> float:

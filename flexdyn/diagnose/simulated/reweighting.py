@@ -17,10 +17,10 @@ from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
-from flexdyn.diagnose.simulated.window_scan import Addition, promising
+from flexdyn.diagnose.simulated.window_scan import Addition, is_asked, promising
 from flexdyn.errors import FlexdynError
 
-SWAPS, ADDITIONS = 6, 4
+SWAPS, ADDITIONS = 2, 2
 """Candidates that are tried in the place of each one, and beside all: so many by the equations and by windows each."""
 LARGEST_QUESTIONED = 4
 """Candidates of a structure, at most, whose neighbours are simulated: larger ones imitate what the catalogue lacks."""
@@ -63,6 +63,7 @@ class Simulated:
         self.fits: dict[Structure, WindowFit] = {}
         self.tried: set[Structure] = set()
         self.fitted: set[Structure] = set()
+        self.promised: dict[Structure, list[Addition]] = {}
 
     def start(self, structure: Structure) -> None:
         """Simulate with the numbers of the equations; a structure that cannot be simulated is left out."""
@@ -75,15 +76,14 @@ class Simulated:
             made = found.fitted if whole else fit(here, found.fitted.space, steps=EQUATIONS_FIT_STEPS)
             self._take(structure, WindowFit.of(made, self.windows))
 
-    def start_with(self, base: Structure, more: Addition) -> Structure:
-        """Simulate a structure that was fitted with one candidate more; what it then is."""
+    def start_with(self, base: Structure, more: Addition) -> None:
+        """Simulate a structure that was fitted with one candidate more."""
         structure = base | {more.point}
         if structure not in self.fits:
             with contextlib.suppress(FlexdynError):
                 number = self.found.space.candidates[more.point[0]].number
-                tried = [self.fits[base].with_one_more(each, number) for each in more.effects or (None,)]
+                tried = [self.fits[base].with_one_more(effect, number, step) for step, effect in more.tried]
                 self._take(structure, max(tried, key=lambda each: each.log_posterior))
-        return structure
 
     def fit(self, structure: Structure) -> None:
         """Simulate with the numbers that suit the windows best."""
@@ -124,33 +124,48 @@ class Simulated:
         """A fitted structure with what its windows lack, candidate by candidate, as long as that is better."""
         for more in self._first(self._with_one_more(here, ADDITIONS))[:1]:
             self.fit(more)
-            if self.known[more] > self.known[here]:
+            if self.known[more] > self.known[here] and len(more) <= LARGEST_QUESTIONED:
                 return self.grown(more)
         return here
 
     def _with_one_more(self, base: Structure, most: int, but: int | None = None) -> list[Structure]:
         """A structure with each of the candidates that the equations, or its windows, like best; simulated."""
-        liked = [base | {point} for _, point in Scan(self.found.space).additions(base) if point[0] != but][:most]
-        for each in liked:
-            self.start(each)
-        if base not in self.fitted:
-            return liked
-        promised = [each for each in promising(self.fits[base], self.found.space, base) if each.point[0] != but]
-        return list(dict.fromkeys([*liked, *(self.start_with(base, each) for each in promised[:most])]))
+        liked = [point for _, point in Scan(self.found.space).additions(base) if point[0] != but]
+        promised = {each.point: each for each in self._promising(base) if each.point[0] != but}
+        if base in self.fitted:  # of others its windows say that they would be none
+            liked = [point for point in liked if point in promised or not is_asked(self.found.space, point[0])]
+        points = dict.fromkeys([*liked[:most], *list(promised)[:most]])
+        for point in points:
+            if point in promised:
+                self.start_with(base, promised[point])
+            else:
+                self.start(base | {point})
+        return [base | {point} for point in points]
+
+    def _promising(self, base: Structure) -> list[Addition]:
+        """What the windows of a structure would gain; nothing where its numbers were not fitted to them."""
+        if base in self.fitted and base not in self.promised:
+            self.promised[base] = promising(self.fits[base], self.found.space, base)
+        return self.promised.get(base, [])
 
     def climbed(self, start: Structure) -> Structure:
-        """From a structure to its best neighbour, as long as that is better."""
-        here = start
-        for _ in range(SEARCH_ROUNDS):
-            self.fit(here)
-            if here not in self.fits:
+        """The best structure of a search that begins at one, or at nothing, and goes on to better neighbours.
+
+        The equations may prefer several candidates to one that they hardly see. No neighbour of these leads there.
+        """
+        for each in (start, frozenset[tuple[int, int]]()):
+            self.fit(each)
+            if each in self.fitted:
+                self.grown(each)
+            if self.known and not unlike_noise(self.fits[self.best()].shot):
                 break
-            here = self.grown(here)
+        for _ in range(SEARCH_ROUNDS if self.known else 0):
+            here = self.best()
             self.around(here)
             if self.best() == here:
                 break
-            here = self.best()
-        return here
+            self.grown(self.best())
+        return self.best() if self.known else start
 
     def _first(self, structures: list[Structure]) -> list[Structure]:
         """Those that could be simulated, the most likely one first."""

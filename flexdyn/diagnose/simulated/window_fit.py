@@ -84,9 +84,15 @@ class WindowFit:
         centre, sigma = priors(start.hypothesis, start.space)
         return cls(start, shot, shot.log_likelihood - 0.5 * float(((centre / sigma) ** 2).sum()))
 
-    def with_one_more(self, effect: Effect | None, number: FileNumber | None) -> WindowFit:
-        """The windows with one effect more, or with a number that its tolerance does not hold."""
-        here, space = self.made.hypothesis, self.made.space
+    def with_one_more(self, effect: Effect | None, number: FileNumber | None, step: Array) -> WindowFit:
+        """The windows with one effect more, or with a number that its tolerance does not hold.
+
+        Args:
+            effect: that is added; None: nothing.
+            number: that is free; None: nothing.
+            step: of all numbers that are there (columns,).
+        """
+        here, space = moved(self.made.hypothesis, step, self.made.scales), self.made.space
         effects = here.effects if effect is None else (*here.effects, effect)
         freed = here.freed if number is None else here.freed | {number}
         here = dataclasses.replace(here, effects=effects, freed=freed)

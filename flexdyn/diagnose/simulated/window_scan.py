@@ -31,12 +31,13 @@ class Addition:
     Attributes:
         gain: log posterior that the linear response promises.
         point: the candidate and its grid point.
-        effects: with shares of the numbers that the linear response promises; none for a number of the file.
+        tried: shares of what the linear response promises: changes of all numbers that are there, in the scales of
+            the fit, and the effect that is added; none for a number of the file.
     """
 
     gain: float
     point: tuple[int, int]
-    effects: tuple[Effect, ...]
+    tried: tuple[tuple[Array, Effect | None], ...]
 
 
 def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addition]:
@@ -73,13 +74,22 @@ def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addit
             x = np.linalg.solve(S, left)
             x = np.where(prior.positive[columns], np.maximum(x, 0.0), x)
             rise = float(x @ left - 0.5 * (x @ S @ x + mu @ (lam * mu)))
-            tried = (space.candidates[c].effect(p, share * x) for share in STEP_SHARES)
-            effects = tuple(each for each in tried if each is not None and not each.is_neutral)
-            if not effects and space.candidates[c].number is None:
-                continue  # it would be none
-            gain = rise + space.log_volume(structure | {(c, p)}) - before
-            found.append(Addition(gain, (c, p), effects))
+            number, step = space.candidates[c].number, np.zeros(len(seen))
+            step[seen] = cho_solve((root, True), right - C @ x)
+            if number is not None:
+                step[list(here.made.hypothesis.factors).index(number)] += x[0]
+            shares = ((share * step, space.candidates[c].effect(p, share * x)) for share in STEP_SHARES)
+            free = number is not None
+            tried = tuple((moves, each) for moves, each in shares if free or (each is not None and not each.is_neutral))
+            if tried:
+                gain = rise + space.log_volume(structure | {(c, p)}) - before
+                found.append(Addition(gain, (c, p), tried))
     return sorted(found, key=lambda each: (-each.gain, each.point))
+
+
+def is_asked(space: Space, c: int) -> bool:
+    """Whether windows can tell of a candidate before it is simulated."""
+    return space.candidates[c].number is not None or not (waits(space, c) or space.candidates[c].stands is not None)
 
 
 def _columns(here: WindowFit, space: Space, c: int, p: int) -> Array | None:
@@ -87,7 +97,7 @@ def _columns(here: WindowFit, space: Space, c: int, p: int) -> Array | None:
     candidate, hypothesis = space.candidates[c], here.made.hypothesis
     if candidate.number is not None:
         return here.made.regression.X[:, [list(hypothesis.factors).index(candidate.number)]]
-    if waits(space, c) or candidate.stands is not None:
+    if not is_asked(space, c):
         return None
     white, weight = here.shot.whitened(), here.weight
     fixed = candidate.proposal is not None and candidate.proposal.fixed
