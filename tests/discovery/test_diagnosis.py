@@ -38,6 +38,8 @@ MORE = [
     ("single", 5, 59, "a wrong mass"),
     ("outside", 4, 5, "a link that bends"),
     ("link_only", 5, 0, "Stribeck friction on a link"),
+    ("motor_only", 98001, 1, "the torque-speed line of a motor that is asked for four times its torque"),
+    ("link_only", 98001, 2, "a gain of a link's encoder"),
 ]
 """Cases that CI leaves out: `pytest -m slow` runs them."""
 
