@@ -14,6 +14,7 @@ import pytest
 SCRIPTS = Path(__file__).parents[1] / "scripts"
 
 
+@pytest.mark.slow
 def test_a_new_user_gets_from_a_urdf_and_three_logs_to_the_answer(tmp_path: Path) -> None:
     """A German CSV with empty cells, two ROS topics, a MATLAB struct: each fails once and says what to write."""
     if not os.environ.get("CI") and shutil.which("chromium") is None:

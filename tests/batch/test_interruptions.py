@@ -240,6 +240,7 @@ def test_control_c_does_not_wait_for_the_chunk_in_work(tmp_path: Path) -> None:
     assert work.returncode == 130
 
 
+@pytest.mark.slow
 def test_progress_on_a_terminal(tmp_path: Path) -> None:
     """Runs done, rate and time left stand on stderr where that is a terminal, and stdout holds the results alone."""
     path = write_study(tmp_path, runs=60, chunk=3, duration=2.0)

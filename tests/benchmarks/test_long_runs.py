@@ -10,6 +10,7 @@ import pytest
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
 @pytest.mark.filterwarnings("ignore::flexdyn.simulation.limits.LimitWarning")
+@pytest.mark.slow
 def test_memory_stays_flat() -> None:
     """Of a run, of models made and dropped, of short runs, of pages; and the table says so."""
     import long_runs

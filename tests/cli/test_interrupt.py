@@ -51,7 +51,7 @@ def _folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("after", [0.5, 4.0])
+@pytest.mark.parametrize("after", [0.5, pytest.param(4.0, marks=pytest.mark.slow)])
 def test_ctrl_c_is_answered_in_time(folder: Path, after: float) -> None:
     """One line at once, then a report that says what was in work; nothing is claimed."""
     command = [sys.executable, "-c", PROGRAM, "diagnose", "ur5", "log.npz", "-o", "out"]

@@ -67,6 +67,7 @@ def pulled() -> tuple[Array, Array, Array]:
     return t, moved(t, 0), ROTOR * moved(t, 2) + carried(t, made.y[0], made.y[1])
 
 
+@pytest.mark.slow
 def test_a_gap_is_named_although_the_damping_is_unknown(tmp_path: Path) -> None:
     """A negative damping would imitate it: it is not possible, and the damping is estimated with its error."""
     (tmp_path / "rig.urdf").write_text(URDF, encoding="utf-8")

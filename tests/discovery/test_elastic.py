@@ -10,6 +10,7 @@ from score import outcome
 from tests.discovery.shortened import diagnosed
 
 
+@pytest.mark.slow
 def test_an_elasticity_is_named_alone_and_its_stiffness_is_right(tmp_path: Path) -> None:
     """At its joint, on an arm of which the model says that no joint is elastic, to 2 percent."""
     found, truth = diagnosed("rigid", 3, 18, tmp_path)

@@ -61,6 +61,7 @@ def answer(plant: Plant) -> fd.Diagnosis:
     return fd.diagnose(hidden_friction.without_dry_friction(PaperCases().model), [fit], check)
 
 
+@pytest.mark.slow
 def test_the_hidden_friction_is_found_in_what_another_simulator_made(answer: fd.Diagnosis) -> None:
     """Every effect that the study hides is named, nothing else is, and its numbers hold the true ones."""
     found = {(each.suspect.effect, each.suspect.joint, each.suspect.side): each for each in answer.findings}
@@ -73,6 +74,7 @@ def test_the_hidden_friction_is_found_in_what_another_simulator_made(answer: fd.
             assert abs(number.value - getattr(effect, name)) <= max(4.0 * number.std, 1e-12)
 
 
+@pytest.mark.slow
 def test_the_corrected_model_simulates_them_to_noise(answer: fd.Diagnosis) -> None:
     """Nothing is left."""
     assert answer.verdict == "explained"
