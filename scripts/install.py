@@ -113,9 +113,9 @@ def _build_and_install(build: Sequence[str], install: Sequence[str], root: Path,
         code = _run([*install, *requirements(root, extras)], root)
         if code:
             building.terminate()
-        code = building.wait() or code
-        if code:
-            return code
+        built = building.wait()
+        if code or built:
+            return code or built
         (wheel,) = Path(folder).glob("*.whl")
         return _run([*install, "--force-reinstall", "--no-deps", str(wheel)], root)
 

@@ -55,7 +55,9 @@ def _pendulum(driving: float, driven: float) -> fd.Recording:
     return fd.Recording(t, {"q.shoulder": q, "theta.shoulder": theta, "tau.shoulder": noisy})
 
 
-@pytest.mark.parametrize(("driving", "driven"), [(0.1, 0.45), (0.3, 0.05), (0.1, 1.2)])
+@pytest.mark.parametrize(
+    ("driving", "driven"), [(0.1, 0.45), (0.3, 0.05), pytest.param(0.1, 1.2, marks=pytest.mark.slow)]
+)
 def test_both_shares_of_an_elastic_joint(driving: float, driven: float) -> None:
     """The load changes its sign, and power flows both ways under either load."""
     diagnosis = fd.diagnose(model_of(PENDULUM), fit=[_pendulum(driving, driven)])

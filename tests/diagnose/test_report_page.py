@@ -25,9 +25,12 @@ from tests.diagnose import report_cases as cases
 pytestmark = pytest.mark.usefixtures("one_browser")
 
 MADE = pytest.mark.parametrize("made", [*cases.CASES, cases.robot])
+SHOWN = (cases.explained, cases.interrupted_early, cases.robot)
+"""Whose pages CI looks at; `pytest -m slow` looks at all others."""
+DRAWN = [made if made in SHOWN else pytest.param(made, marks=pytest.mark.slow) for made in (*cases.CASES, cases.robot)]
 
 
-@MADE
+@pytest.mark.parametrize("made", DRAWN)
 def test_the_page_opens_without_a_network(made: Callable[[], Diagnosis], tmp_path: Path) -> None:
     """The verdict can be read, residuals are drawn, nothing is wider than the window, nothing is asked for."""
     diagnosis = made()

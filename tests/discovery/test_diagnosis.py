@@ -13,7 +13,6 @@ from tests.discovery.shortened import diagnosed
 
 CASES = [
     ("single", 3, 3, "Coulomb friction on a link"),
-    ("single", 3, 5, "Stribeck friction on a motor"),
     ("single", 5, 6, "presliding friction on a motor"),
     ("pair", 5, 22, "Stribeck friction on a link and a torque limit on the other motor"),
     ("motor_only", 102001, 0, "hysteresis of a spring"),
@@ -25,6 +24,7 @@ CASES = [
 
 
 MORE = [
+    ("single", 3, 5, "Stribeck friction on a motor"),
     ("single", 5, 26, "a hardening spring"),
     ("single", 5, 79, "torque ripple"),
     ("motor_only", 5, 10, "Coulomb friction on a motor"),

@@ -63,7 +63,15 @@ def test_a_self_locking_gear_holds_any_load_without_its_motor(q: float, solver: 
     assert (falls.omega[-1] * np.sign(weight(q)) < -0.1).all()
 
 
-@pytest.mark.parametrize("tau", [-8.0, 0.0, 0.7, 9.0], ids=["let_down", "motor_off", "too_weak", "lifted"])
+@pytest.mark.parametrize(
+    "tau",
+    [
+        pytest.param(-8.0, id="let_down", marks=pytest.mark.slow),
+        pytest.param(0.0, id="motor_off"),
+        pytest.param(0.7, id="too_weak", marks=pytest.mark.slow),
+        pytest.param(9.0, id="lifted"),
+    ],
+)
 @pytest.mark.parametrize("v0", [-2.0, 0.0])
 def test_self_locking_in_motion(tau: float, v0: float) -> None:
     """Against SciPy, events located by it: set in motion by its load, the rotor is braked to rest and stays there."""
