@@ -27,7 +27,7 @@ LARGEST_QUESTIONED = 4
 SEARCH_ROUNDS = 3
 """Structures whose neighbours are compared, at most."""
 FITTED_SWAPS = 2
-"""Swaps whose numbers are fitted to the windows: those that are nearest with the equations' numbers."""
+"""Swaps whose numbers are fitted to the windows: those that are nearest before."""
 COMPARED_WINDOWS = 16
 """Windows over which structures are compared, spread evenly: 8 s; what is found is held against all of them."""
 EQUATIONS_FIT_STEPS = 6
@@ -50,7 +50,8 @@ def unlike_noise(shot: Shot, floor: float = 1.0) -> bool:
 class Simulated:
     """Structures that were simulated, each with its log posterior.
 
-    The likelihood is that of the windows instead of the equations; priors and volumes are the same.
+    The likelihood is that of the windows instead of the equations; priors and volumes are the same. Sizes of effects do
+    not count, as the equations may say nothing of them.
 
     Args:
         found: the posterior by the equations.
@@ -104,10 +105,6 @@ class Simulated:
         """The most likely of those simulated."""
         return max(self.known, key=lambda s: (self.known[s], sorted(s)))
 
-    def is_noise(self, structure: Structure) -> bool:
-        """Whether a structure's windows are off by no more than noise."""
-        return structure in self.fits and self.fits[structure].shot.is_noise()
-
     def around(self, here: Structure) -> None:
         """Compare a fitted structure with those that lack one of its candidates, or have another in its place.
 
@@ -122,9 +119,11 @@ class Simulated:
 
     def grown(self, here: Structure) -> Structure:
         """A fitted structure with what its windows lack, candidate by candidate, as long as that is better."""
+        if len(here) >= LARGEST_QUESTIONED:
+            return here
         for more in self._first(self._with_one_more(here, ADDITIONS))[:1]:
             self.fit(more)
-            if self.known[more] > self.known[here] and len(more) <= LARGEST_QUESTIONED:
+            if self.known[more] > self.known[here]:
                 return self.grown(more)
         return here
 

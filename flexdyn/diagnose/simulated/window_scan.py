@@ -79,8 +79,9 @@ def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addit
             if number is not None:
                 step[list(here.made.hypothesis.factors).index(number)] += x[0]
             shares = ((share * step, space.candidates[c].effect(p, share * x)) for share in STEP_SHARES)
-            free = number is not None
-            tried = tuple((moves, each) for moves, each in shares if free or (each is not None and not each.is_neutral))
+            tried = tuple(
+                (moves, each) for moves, each in shares if number is not None or not (each is None or each.is_neutral)
+            )
             if tried:
                 gain = rise + space.log_volume(structure | {(c, p)}) - before
                 found.append(Addition(gain, (c, p), tried))
