@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -9,14 +10,24 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.corrected import needed, possible
+from flexdyn.diagnose.decision.corrected import is_seen, needed, possible
 from flexdyn.diagnose.decision.gaps import nearer
 from flexdyn.diagnose.decision.run import diagnose
+from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.proposal import Proposal
+from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.passes import posterior
 from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
-from flexdyn.effects import Effect, EncoderEccentricity, JointElasticity, LoadDependentFriction, ViscousFriction
+from flexdyn.effects import (
+    CoulombFriction,
+    Effect,
+    EncoderEccentricity,
+    JointElasticity,
+    LoadDependentFriction,
+    ViscousFriction,
+)
 from tests.diagnose.truths import sliding
 
 SOFT = {name: JointElasticity(name, stiffness=900.0) for name in ("shoulder", "elbow")}
@@ -67,24 +78,47 @@ def test_one_window_does_not_tell_whether_a_model_is_closer() -> None:
     assert not nearer(before, many)
 
 
-def _wheel(folder: Path) -> fd.FlexibleJointModel:
+def _wheel(folder: Path, inertia: float = INERTIA) -> fd.FlexibleJointModel:
     path = folder / "wheel.urdf"
     path.write_text(f"""<robot name="wheel"><link name="base"/>
 <link name="disc"><inertial><mass value="1.0"/>
-<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="{INERTIA}"/></inertial></link>
+<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="{inertia}"/></inertial></link>
 <joint name="axle" type="continuous"><parent link="base"/><child link="disc"/><axis xyz="0 0 1"/>
 <limit effort="1000" velocity="100"/></joint></robot>""")
     return fd.FlexibleJointModel(fd.load_robot(path), {}, gravity=[0.0, 0.0, 0.0])
 
 
-def _turned(steps: float) -> fd.Recording:
+def _turned(steps: float, friction: float = 0.0) -> fd.Recording:
     """The wheel's motion as an encoder saw it whose disc is off by so many of its steps, three times a turn."""
     t = np.arange(round(8.0 * RATE)) / RATE
     torque = 60.0 * np.sin(2.1 * t + 0.3) + 50.0 * np.sin(5.3 * t) + 30.0 * np.sin(11.0 * t)
-    x, _ = sliding(torque, 1.0 / RATE, INERTIA, 0.0)
+    x, _ = sliding(torque, 1.0 / RATE, INERTIA, friction)
     seen = x + steps * STEP * np.sin(3.0 * x + 0.4)
     noisy = torque + 0.02 * np.random.default_rng(1).standard_normal(len(t))
     return fd.Recording(t, {"q.axle": STEP * np.round(seen / STEP), "tau.axle": noisy})
+
+
+@pytest.mark.parametrize(("friction", "seen"), [(0.0, False), (1.0, True)])
+def test_an_effect_is_seen_where_its_size_is_more_than_its_error(tmp_path: Path, friction: float, seen: bool) -> None:
+    """Dry friction that the wheel does not have is fitted with some size, within its standard deviations of nothing."""
+    model = _wheel(tmp_path)
+    bare, noise, start = prepared(model, (measured(model, _turned(0.0, friction)),))
+    begun = CoulombFriction("axle", side="link", level=0.5)
+    law = Proposal({"effect": "coulomb_friction", "joint": "axle", "side": "link"}, lambda point, x: begun)
+    made = fit(dataclasses.replace(start, effects=(begun,)), weighed(bare, noise))
+    assert is_seen(Candidate("coulomb_friction", law, None, [()], [], 1), made) is seen
+
+
+@pytest.mark.parametrize(("factor", "seen"), [(1.0, False), (0.8, True)])
+def test_a_number_is_seen_where_it_differs_from_the_files_by_more_than_its_error(
+    tmp_path: Path, factor: float, seen: bool
+) -> None:
+    """The inertia of the wheel as its file has it, right or a fifth too small."""
+    model = _wheel(tmp_path, factor * INERTIA)
+    bare, noise, start = prepared(model, (measured(model, _turned(0.0)),))
+    number = next(each for each in start.factors if each.parameter == "link_inertia")
+    made = fit(dataclasses.replace(start, freed=frozenset({number})), weighed(bare, noise))
+    assert is_seen(Candidate("link_inertia", None, number, [()], [], 1), made) is seen
 
 
 @pytest.mark.parametrize(("steps", "named"), [(0.7, False), (10.0, True)])

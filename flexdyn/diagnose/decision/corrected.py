@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr
 
 from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.even_odds import told_by_data
@@ -138,7 +139,7 @@ def corrected(
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
     # An effect that explains more in simulations than remains there may be small in the equations.
     least = {c: 0.0 if simulated.get(c, 0.0) > 1.0 else SMALLEST_TORQUE_SHARE for c in best}
-    large = tuple(each for each in kept if _is_large(space, each.candidate, made, least[each.candidate]))
+    large = tuple(each for each in kept if _stays(space, each.candidate, made, least[each.candidate]))
     if large != kept:  # the linear equations promised too much
         kept, made = large, _fitted(made, [space.candidates[each.candidate] for each in large])
     made = made if converged(made) or made.block else fit(made.hypothesis, made.space)
@@ -181,8 +182,10 @@ def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
     return effect is not None and not effect.is_neutral
 
 
-def _is_large(space: Space, c: int, made: Fit, smallest: float) -> bool:
-    """Whether the fitted effect of a candidate is at least as large as an effect must be."""
+def _stays(space: Space, c: int, made: Fit, smallest: float) -> bool:
+    """Whether the fitted effect of a candidate is seen, and at least as large as an effect must be."""
+    if not is_seen(space.candidates[c], made):
+        return False
     here, effect = made.hypothesis, effect_of(space.candidates[c], made.hypothesis)
     if effect is None:
         return space.candidates[c].number is not None
@@ -190,6 +193,21 @@ def _is_large(space: Space, c: int, made: Fit, smallest: float) -> bool:
     change = made.equations.residual - made.equations.of(without.model()).residual
     share, least = space.library.sizes.of(effect, change, smallest)
     return share >= least
+
+
+def is_seen(candidate: Candidate, made: Fit) -> bool:
+    """Whether a fit tells a candidate from nothing, and a number of the file from its tolerance.
+
+    The probability by the standard deviation of its size is at least that of an established name.
+    """
+    here, number = made.hypothesis, candidate.number
+    if number is not None:
+        off = [(abs(here.factors[number] - 1.0) - number.tolerance, made.factor_std()[number])]
+    else:
+        effect, std = effect_of(candidate, here), made.std()
+        sizes = {} if effect is None else effect.neutral
+        off = [(abs(getattr(effect, k) - x), std[effect, k]) for k, x in sizes.items() if effect and (effect, k) in std]
+    return not off or max(float(ndtr(x / max(sigma, 1e-300))) for x, sigma in off) >= ESTABLISHED
 
 
 def effect_of(candidate: Candidate, here: Hypothesis) -> Effect | None:
