@@ -43,13 +43,14 @@ def folded(
     numbers = {name: joint.values() for name, joint in joints.items()}
     for name, joint in joints.items():
         numbers[name]["actuator"] = None if joint.actuator is None else joint.actuator.held(joint.gear_ratio)
-    true = list(effects)
+    true, of_links = list(effects), _of_links(effects)
     for i, error in enumerate(effects):
         if not isinstance(error, ParameterError) or error.is_neutral:
             continue
         with placed(key=f"effects[{i}]"):
             if error.parameter in OF_LINK:
-                robot = robot.with_link_scaled(error.of, **{OF_LINK[error.parameter]: error.factor})
+                factors = of_links.pop(error.of, {})
+                robot = robot.with_link_scaled(error.of, **factors) if factors else robot
             elif error.of.startswith("effects["):
                 _fold_effect(true, error)
             else:
@@ -59,6 +60,16 @@ def folded(
             given = numbers[effect.joint]["stiffness"]
             numbers[effect.joint]["stiffness"] = effect.stiffness + (given if math.isfinite(given) else 0.0)
     return robot, numbers, [effect for effect in true if not isinstance(effect, ParameterError | JointElasticity)]
+
+
+def _of_links(effects: Sequence[Effect]) -> dict[str, dict[str, float]]:
+    """Factors by number of every link that has errors: a link is changed once, as a new robot is made for it."""
+    found: dict[str, dict[str, float]] = {}
+    for error in effects:
+        if isinstance(error, ParameterError) and error.parameter in OF_LINK and not error.is_neutral:
+            own, number = found.setdefault(error.of, {}), OF_LINK[error.parameter]
+            own[number] = own.get(number, 1.0) * error.factor
+    return found
 
 
 def _fold_effect(effects: list[Effect], error: ParameterError) -> None:

@@ -137,13 +137,13 @@ def test_windows_promise_what_is_missing_and_nothing_where_nothing_is(tmp_path: 
     offset = 0.003
     found, start, windows = _compared(tmp_path, offset, 0.0)
     lacking = fit_to_windows(WindowFit.of(fit(start, found.fitted.space, steps=1), windows))
-    best = promising(lacking, found.space, frozenset())[0]
+    best = promising(lacking, found.space, frozenset(), {})[0]
     assert best.gain > 10.0
     (step, whole), *_ = best.tried
     assert isinstance(whole, fd.effects.TorqueOffset)
     assert whole.offset == pytest.approx(offset, rel=0.1)
     right = fit_to_windows(lacking.with_one_more(whole, None, step))
-    assert all(each.gain < 3.0 for each in promising(right, found.space, frozenset({best.point})))
+    assert all(each.gain < 3.0 for each in promising(right, found.space, frozenset({best.point}), {}))
 
 
 def test_what_windows_do_not_need_has_no_share_in_them(tmp_path: Path) -> None:

@@ -87,6 +87,14 @@ class Shot:
         residual = self.residual if model is None else self.residual_of(model)
         return self._filter.whitened(residual, self._moved) / self.fragile[:, None]
 
+    def whitened_change(self, change: Array) -> Array:
+        """What a change of the residual changes in `whitened` (windows, rows of each).
+
+        Args:
+            change: as of `residual_of` of another model (windows, rows, channels).
+        """
+        return self._filter.whitened(change, np.zeros_like(self._moved)) / self.fragile[:, None]
+
     def is_noise(self, floor: float = 1.0) -> bool:
         """Whether the gap of the median window is noise; a single window with wrong sticking has little influence.
 

@@ -17,7 +17,7 @@ from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
-from flexdyn.diagnose.simulated.window_scan import Addition, is_asked, promising
+from flexdyn.diagnose.simulated.window_scan import Addition, Responses, is_asked, promising
 from flexdyn.errors import FlexdynError
 
 SWAPS, ADDITIONS = 2, 2
@@ -65,6 +65,7 @@ class Simulated:
         self.tried: set[Structure] = set()
         self.fitted: set[Structure] = set()
         self.promised: dict[Structure, list[Addition]] = {}
+        self.responses: Responses = {}
 
     def start(self, structure: Structure) -> None:
         """Simulate with the numbers of the equations; a structure that cannot be simulated is left out."""
@@ -144,7 +145,7 @@ class Simulated:
     def _promising(self, base: Structure) -> list[Addition]:
         """What the windows of a structure would gain; nothing where its numbers were not fitted to them."""
         if base in self.fitted and base not in self.promised:
-            self.promised[base] = promising(self.fits[base], self.found.space, base)
+            self.promised[base] = promising(self.fits[base], self.found.space, base, self.responses)
         return self.promised.get(base, [])
 
     def climbed(self, start: Structure) -> Structure:

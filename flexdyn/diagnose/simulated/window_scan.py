@@ -23,6 +23,10 @@ from flexdyn.diagnose.simulated.window_fit import SCALED_STEP, STEP_SHARES, Wind
 from flexdyn.effects import Effect
 from flexdyn.errors import FlexdynError
 
+Responses = dict[tuple[int, int], tuple[Array, ...]]
+"""Derivatives of the residual by the linear numbers of candidates, by their grid points. They are computed at one
+structure and serve for its neighbours too: they only say which candidates are simulated."""
+
 
 @dataclass(frozen=True, eq=False)
 class Addition:
@@ -40,7 +44,7 @@ class Addition:
     tried: tuple[tuple[Array, Effect | None], ...]
 
 
-def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addition]:
+def promising(here: WindowFit, space: Space, structure: Structure, responses: Responses) -> list[Addition]:
     """All candidates that a structure may get, those first that promise most.
 
     With weighted innovations y of the windows, their derivatives X by the numbers that are there and Z by a candidate's
@@ -53,6 +57,7 @@ def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addit
         here: the structure, fitted to the windows.
         space: candidates, and their priors.
         structure: what there is.
+        responses: known ones, which are used; those that are computed are added.
     """
     regression = here.made.regression
     seen = (regression.X**2).sum(axis=0) + regression.sigma**-2.0 > 0.0  # a stop that no window reaches is not
@@ -63,7 +68,7 @@ def promising(here: WindowFit, space: Space, structure: Structure) -> list[Addit
     for _, (c, p) in Scan(space).additions(structure):
         check()
         with contextlib.suppress(FlexdynError):
-            Z = _columns(here, space, c, p)
+            Z = _columns(here, space, (c, p), responses)
             if Z is None or not np.isfinite(Z).all():
                 continue
             C = X.T @ Z
@@ -93,21 +98,29 @@ def is_asked(space: Space, c: int) -> bool:
     return space.candidates[c].number is not None or not (waits(space, c) or space.candidates[c].stands is not None)
 
 
-def _columns(here: WindowFit, space: Space, c: int, p: int) -> Array | None:
+def _columns(here: WindowFit, space: Space, point: tuple[int, int], responses: Responses) -> Array | None:
     """Weighted derivatives by a candidate's linear numbers (rows, width); None where it cannot be tried."""
-    candidate, hypothesis = space.candidates[c], here.made.hypothesis
-    if candidate.number is not None:
-        return here.made.regression.X[:, [list(hypothesis.factors).index(candidate.number)]]
-    if not is_asked(space, c):
+    number = space.candidates[point[0]].number
+    if number is not None:
+        return here.made.regression.X[:, [list(here.made.hypothesis.factors).index(number)]]
+    if not is_asked(space, point[0]):
         return None
-    white, weight = here.shot.whitened(), here.weight
+    if point not in responses:
+        responses[point] = _responses(here, space, *point)
+    found = [here.weight * here.shot.whitened_change(each).ravel() for each in responses[point]]
+    return np.stack(found, axis=1) if found else None
+
+
+def _responses(here: WindowFit, space: Space, c: int, p: int) -> tuple[Array, ...]:
+    """Derivatives of the residual by a candidate's linear numbers (windows, rows, channels) each; none: no effect."""
+    candidate, hypothesis = space.candidates[c], here.made.hypothesis
     fixed = candidate.proposal is not None and candidate.proposal.fixed
     step = np.ones(1) if fixed else SCALED_STEP / np.sqrt(space.prior.precision[candidate.columns[p]])
     found = []
     for row in np.diag(step):
         effect = candidate.effect(p, row)
         if effect is None:
-            return None
+            return ()
         changed = dataclasses.replace(hypothesis, effects=(*hypothesis.effects, effect))
-        found.append(weight * (here.shot.whitened(changed.seen()) - white).ravel() / row.max())
-    return np.stack(found, axis=1)
+        found.append((here.shot.residual_of(changed.seen()) - here.shot.residual) / row.max())
+    return tuple(found)
