@@ -14,9 +14,10 @@ from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.data.sensors import corrected
 from flexdyn.diagnose.equations.motion import smoothed
-from flexdyn.diagnose.shooting.sensing import lag, sensors
+from flexdyn.diagnose.shooting.sensing import sensors
 from flexdyn.diagnose.shooting.shooter import Shooter
-from flexdyn.effects import DeflectionEffect, recovered
+from flexdyn.effects import DeflectionEffect
+from flexdyn.effects.channels import lag, recovered
 from flexdyn.simulation.plant import LinkSide
 
 REACHES = (0.04, 0.02, 0.01, 0.005)
@@ -115,7 +116,7 @@ def _around(shooter: Shooter, name: str) -> Array:
     for k, recording in enumerate(windows.recordings):
         mine = windows.places[:, 0] == k
         if mine.any() and name in recording:
-            rows, x = windows.places[mine, 1], recovered(effects, np.asarray(recording[name]), recording.t)
+            rows, x = windows.places[mine, 1], recovered(effects, recording[name], recording.t)
             table[mine] = _cubics(recording.t - late, x, recording.t[rows], rows, noise, windows.period)
     return table
 
@@ -253,7 +254,7 @@ def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
         if name not in recording:
             return None
         effects = sensors(model, name)
-        x = recovered(effects, np.asarray(recording[name]), recording.t)
+        x = recovered(effects, recording[name], recording.t)
         return np.interp(recording.t, recording.t - lag(effects), x) if lag(effects) else x
 
     q, theta = position("q"), position("theta")
