@@ -143,8 +143,7 @@ def _frictionless(statics: Statics, q: Array, tau: Array) -> Equilibrium:
 
 def _smooth(statics: Statics) -> Statics:
     """The model without dry friction, whose contacts would have no acceleration at rest."""
-    model = statics.model
-    return Statics(without_resting_friction(model, np.zeros(statics.plant.state_size)), statics.t)
+    return Statics(without_resting_friction(statics.model, np.zeros(statics.plant.state_size)), statics.t)
 
 
 def _held(statics: Statics, guess: Array, tau: Array, mass: Array, size: Array) -> Equilibrium | None:

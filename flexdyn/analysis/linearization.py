@@ -125,8 +125,7 @@ def frequency_response(
         >>> found.shape[0]
         50
     """
-    linear = linearize(model, x, tau, inputs=inputs, outputs=outputs, stuck=stuck)
-    return linear.frequency_response(frequencies)
+    return linearize(model, x, tau, inputs=inputs, outputs=outputs, stuck=stuck).frequency_response(frequencies)
 
 
 def _point(

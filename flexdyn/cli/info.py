@@ -19,7 +19,7 @@ from flexdyn.effects import Effect, JointEffect, Payload, unit_for
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.plots import SUFFIXES, draw_frequencies
-from flexdyn.robot.axes import joint_row, plain_axes
+from flexdyn.robot.axes import plain_axes
 from flexdyn.simulation.plant import LinkSide
 
 DRIVES = {
@@ -149,15 +149,9 @@ def _joint(model: FlexibleJointModel, j: int, q: float, inertia: float) -> dict[
     }
 
 
-def _slides(model: FlexibleJointModel, joint: str) -> bool:
-    row = joint_row(model.robot, joint)
-    place = model.index(joint) if row is None else int(np.flatnonzero(row)[0])
-    return model.robot.kinds[place] == "prismatic"
-
-
 def _effect(model: FlexibleJointModel, effect: Effect, origin: str) -> dict[str, Any]:
     joint = effect.joint if isinstance(effect, JointEffect) else None
-    prismatic = joint is not None and _slides(model, joint)
+    prismatic = joint is not None and model.robot.angle_unit(joint) == "m"
     numbers = {
         field.name: {
             "value": getattr(effect, field.name),

@@ -107,8 +107,7 @@ class ChannelLag(SensorEffect):
         if self.signal not in HELD:
             return np.asarray(np.interp(times - self.delay, times, true))
         # Rounding of t - delay must not miss a sample by its last bit.
-        instants = times - self.delay + SAME_INSTANT
-        return true[np.maximum(np.searchsorted(times, instants, side="right") - 1, 0)]
+        return true[np.maximum(np.searchsorted(times, times - self.delay + SAME_INSTANT, side="right") - 1, 0)]
 
 
 class EncoderEccentricity(WaveEffect, SensorEffect):
@@ -152,7 +151,6 @@ class SensorOffset(SensorEffect):
     """
 
     law = "x + offset"
-    neutral = {"offset": 0.0}
     shown = {"offset": 0.01}
     natural_size = 0.01
     linear = ("offset",)
@@ -181,7 +179,6 @@ class SensorGain(SensorEffect):
     """
 
     law = "(1 + gain)*x"
-    neutral = {"gain": 0.0}
     shown = {"gain": 0.05}
     natural_size = 0.03
     linear = ("gain",)

@@ -69,8 +69,7 @@ def _fold_effect(effects: list[Effect], error: ParameterError) -> None:
     target = effects[place]
     if isinstance(target, ParameterError):
         raise InputError("a parameter error has none itself", key="of", value=error.of)
-    known = [field.name for field in target.parameters()]
-    _check_parameter(error, known, target.name)
+    _check_parameter(error, [field.name for field in target.parameters()], target.name)
     entry = {key: value for key, value in target.to_dict().items() if key != "effect"}
     entry[error.parameter] *= error.factor
     effects[place] = type(target).from_dict(entry)

@@ -57,17 +57,11 @@ def concluded(
     noise = leaves_noise(compared.fitted, plain)
     if windows is not None and (noise or first.farther):
         tell("comparing simulated windows", 0.75)
-        all_named = {c for c, _ in compared.best} <= {each.candidate for each in found.names}
-        by_windows = (
-            reweighed(compared, windows, lambda made: leaves_noise(made, plain), all_named=all_named) if noise else None
-        )
-        # Windows and equations are likelihoods of the same data. A structure that either of them rejects is wrong.
-        accepted = by_windows is not None and leaves_noise(by_windows.fitted, plain)
-        compared = by_windows if by_windows is not None and accepted else compared
-        again = corrected(
-            compared, plain, functools.partial(share_in_windows, Simulated(compared, windows)), rejected=not accepted
-        )
-        found, named, first = _on_fit(plain, made, again, parts[0], rejected=not accepted)
+        by_windows = _by_windows(plain, compared, found, windows) if noise else None
+        compared, rejected = compared if by_windows is None else by_windows, by_windows is None
+        share = functools.partial(share_in_windows, Simulated(compared, windows))
+        again = corrected(compared, plain, share, rejected=rejected)
+        found, named, first = _on_fit(plain, made, again, parts[0], rejected=rejected)
     tell("opening the test data", 0.85)
     last = on_test(plain, first, found, named, parts[1])
     converged = found.converged and first.stalled is None
@@ -95,6 +89,16 @@ def concluded(
         no_model=WORSE if first.worse else "",
         stopped=() if converged else stopped(first.stalled or found.fitted),
     )
+
+
+def _by_windows(plain: Workspace, compared: Posterior, found: Corrected, windows: Windows) -> Posterior | None:
+    """The posterior that simulated windows give too; None if the equations reject what they find most probable.
+
+    Windows and equations are likelihoods of the same data. A structure that either of them rejects is wrong.
+    """
+    all_named = {c for c, _ in compared.best} <= {each.candidate for each in found.names}
+    other = reweighed(compared, windows, lambda made: leaves_noise(made, plain), all_named=all_named)
+    return other if other is not None and leaves_noise(other.fitted, plain) else None
 
 
 def _on_fit(

@@ -20,6 +20,7 @@ from flexdyn.diagnose.report.measures import RecordingSpan, Role
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, RecordingWarning
+from flexdyn.records.signals.cut import rows_of
 
 TEST_SHARE = 0.2
 """Share of the moving part of every recording that is test data if none are given [1] (contract, section 8)."""
@@ -113,13 +114,8 @@ def _halves(recording: Recording, data: Measured) -> tuple[DataPart, DataPart]:
     """A recording before and after the instant from which the test share of what moves lies."""
     at = _cut(data)
     row = int(np.searchsorted(recording.t, recording.t[0] + data.t[at] - 0.5 * data.dt))
-    first = DataPart(_rows(recording, slice(0, row)), data.part(0, at), "fit")
-    return first, DataPart(_rows(recording, slice(row, None)), data.part(at, len(data.t)), "test")
-
-
-def _rows(recording: Recording, rows: slice) -> Recording:
-    channels = {name: values[rows] for name, values in recording.channels.items()}
-    return Recording(recording.t[rows], channels, meta=recording.meta, name=recording.name)
+    first = DataPart(rows_of(recording, 0, row), data.part(0, at), "fit")
+    return first, DataPart(rows_of(recording, row, len(recording)), data.part(at, len(data.t)), "test")
 
 
 def _cut(data: Measured) -> int:
@@ -195,7 +191,7 @@ def without_blocks(
             if length < SHORTEST_BLOCK - 2.0 * rec.duration / len(rec):
                 if k < 0:
                     problem = f"{length:.3g} s from t = {rec.t[low]:.6g} s on are too short to fit"
-                    warnings.warn(f"{rec.name}: {problem} and left out", RecordingWarning, stacklevel=3)
+                    warnings.warn(f"{rec.name}: {problem} and left out", RecordingWarning, stacklevel=4)
                 continue
             (inside if k >= 0 else rest).append(rec.trim(float(rec.t[low]), float(rec.t[high - 1])))
             met.add(k)

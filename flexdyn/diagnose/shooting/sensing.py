@@ -8,7 +8,7 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.effects import SensorEffect
-from flexdyn.effects.channels import by_channel, instant
+from flexdyn.effects.channels import by_channel, instant, lag, recovered
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
@@ -18,6 +18,12 @@ Law = Callable[[Sequence[SensorEffect], Array, Array], Array]
 def sensors(model: FlexibleJointModel, channel: str) -> tuple[SensorEffect, ...]:
     """The effects of a model on a channel that are not neutral."""
     return tuple(by_channel(model.resolved().effects).get(channel, ()))
+
+
+def true_samples(model: FlexibleJointModel, recording: Recording, channel: str) -> tuple[Array, Array]:
+    """What a recorded channel measures: times without its lag [s], and values without its sensor effects."""
+    effects = sensors(model, channel)
+    return recording.t - lag(effects), recovered(effects, recording[channel], recording.t)
 
 
 def early(recording: Recording, channel: str, late: float, t: Array) -> Array:
