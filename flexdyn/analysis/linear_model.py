@@ -138,5 +138,5 @@ def _row(model: FlexibleJointModel, size: int, signal: str, joint: str) -> Array
     j, half = model.index(joint), model.n + int(model.elastic.sum())
     rotor, unit = int(model.rotor_places[j]), np.eye(size)
     if signal == "deflection":
-        return unit[rotor] - unit[j]
-    return unit[{"q": j, "theta": rotor, "v": half + j, "omega": half + rotor}[signal]]
+        return np.asarray(unit[rotor] - unit[j])
+    return np.asarray(unit[{"q": j, "theta": rotor, "v": half + j, "omega": half + rotor}[signal]])

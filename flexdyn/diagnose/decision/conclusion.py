@@ -16,7 +16,7 @@ from flexdyn.diagnose.decision.forces import are_prescribed, loops
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.notes import notes, statistics, stopped
-from flexdyn.diagnose.decision.split import DataPart
+from flexdyn.diagnose.decision.split import DataPart, Parts
 from flexdyn.diagnose.decision.suspects import considered, structures
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
 from flexdyn.diagnose.equations.covariance import SampleNoise
@@ -30,17 +30,10 @@ from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import Simulated, reweighed, share_in_windows, unlike_noise
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Parts = tuple[tuple[DataPart, ...], tuple[DataPart, ...]]
 WORSE = "on the data of the fit the corrected model is worse than the model as it was given"
 
 
-def concluded(
-    plain: Workspace,
-    start: Hypothesis,
-    compared: Posterior,
-    found: Corrected,
-    parts: Parts,
-) -> Diagnosis:
+def concluded(plain: Workspace, start: Hypothesis, compared: Posterior, found: Corrected, parts: Parts) -> Diagnosis:
     """The answer.
 
     Args:

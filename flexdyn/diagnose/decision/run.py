@@ -12,7 +12,7 @@ from flexdyn.checks import check_known
 from flexdyn.diagnose.data.rate import advice, at_needed_rates
 from flexdyn.diagnose.data.windings import with_inductance, with_lagging_current, without_inductance
 from flexdyn.diagnose.decision.background import Progress, beside, shown
-from flexdyn.diagnose.decision.split import checked_blocks, parts, without_blocks
+from flexdyn.diagnose.decision.split import Recordings, checked_blocks, parts, without_blocks
 from flexdyn.diagnose.equations.sanity import check_recordings
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
 from flexdyn.diagnose.hypothesis.workspace import prepared, recorded_noise, weighed
@@ -88,9 +88,7 @@ def diagnose(
             raise Interrupted(_known(model, course, began)) from None
 
 
-def _recordings(
-    fit: Any, check: Any, hold_out: Any
-) -> tuple[tuple[Recording, ...], tuple[Recording, ...], tuple[str, ...]]:
+def _recordings(fit: Any, check: Any, hold_out: Any) -> tuple[Recordings, Recordings, tuple[str, ...]]:
     """The pieces to be fitted and the test data, at the rates that are needed, and what was done to them."""
     fit, check = (as_recordings(given, key) for given, key in ((fit, "fit"), (check, "check")))
     if blocks := checked_blocks(hold_out):

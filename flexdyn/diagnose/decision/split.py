@@ -39,6 +39,7 @@ about a hundred samples, noise alone has a range of five or six.
 SHORTEST_BLOCK = 1.0
 """Least length of a block, and of a piece between blocks [s]: two windows of 0.5 s."""
 Block = tuple[float, float]
+Recordings = tuple[Recording, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,9 +77,10 @@ class DataPart:
         )
 
 
-def parts(
-    model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[Recording] = ()
-) -> tuple[tuple[DataPart, ...], tuple[DataPart, ...]]:
+Parts = tuple[tuple[DataPart, ...], tuple[DataPart, ...]]
+
+
+def parts(model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[Recording] = ()) -> Parts:
     """What is fitted, and the test data.
 
     Args:
@@ -99,7 +101,7 @@ def parts(
     return tuple(first for first, _ in halves), tuple(last for _, last in halves)
 
 
-def _apart(whole: Sequence[tuple[Recording, Measured]]) -> tuple[tuple[DataPart, ...], tuple[DataPart, ...]]:
+def _apart(whole: Sequence[tuple[Recording, Measured]]) -> Parts:
     """Recordings too short to be cut: the last ones are test data as they are, until these hold the test share."""
     seconds = [float(moving(data).sum()) * data.dt for _, data in whole]
     first = len(whole) - 1
@@ -163,9 +165,7 @@ def checked_blocks(given: Any) -> tuple[Block, ...]:
     return tuple(found)
 
 
-def without_blocks(
-    recordings: Sequence[Recording], blocks: Sequence[Block]
-) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
+def without_blocks(recordings: Sequence[Recording], blocks: Sequence[Block]) -> tuple[Recordings, Recordings]:
     """What is outside the blocks of each recording, in pieces, and what is inside.
 
     Args:

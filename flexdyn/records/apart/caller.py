@@ -60,7 +60,7 @@ class _Server:
         )
         _enlarge(self.process.stdout)
         self._say([module, str(_PACKAGE), [os.path.abspath(entry) for entry in sys.path]])
-        if received(self.process.stdout)[0] != "ready":
+        if self._heard()[0] != "ready":
             raise Lost
 
     def table(self, path: Path, request: Request, on_disk: int) -> Table:
@@ -74,10 +74,10 @@ class _Server:
         limits = {"seconds": seconds_for(on_disk), "bytes": bytes_for(on_disk)}
         packed = pickle.dumps(replace(request, progress=None)).hex()
         self._say({"path": os.path.abspath(path), "request": packed, **limits})
-        kind, content = received(self.process.stdout)
+        kind, content = self._heard()
         while kind == "progress":
             request.report(float(content))
-            kind, content = received(self.process.stdout)
+            kind, content = self._heard()
         table = received_table(self.process.stdout, content, on_disk) if kind == "table" else None
         self.between = True
         if table is not None:
@@ -101,6 +101,9 @@ class _Server:
         self.process.stdin.close()
         self.process.stdout.close()
         self.process.returncode = 0
+
+    def _heard(self) -> tuple[str, Any]:
+        return received(self.process.stdout)
 
     def _say(self, content: Any) -> None:
         try:
