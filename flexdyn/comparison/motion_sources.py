@@ -52,10 +52,6 @@ class MotionSource:
         units = self.recording.meta.get("units", {})
         return self.recording.unit(channel) if self.run is not None or channel in units else ""
 
-    def renamed(self, name: str) -> MotionSource:
-        """The same motion under another name."""
-        return MotionSource(name, self.recording, self.run)
-
 
 def as_source(given: Any, name: str = "") -> MotionSource:
     """Convert anything that can be drawn to a motion.
