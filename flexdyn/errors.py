@@ -218,7 +218,7 @@ def one_line(text: str) -> str:
     Args:
         text: may contain names from a file.
     """
-    plain = " ".join(_printable(text[:_LONGEST_ERROR_TEXT]).split())
+    plain = " ".join(printable(text[:_LONGEST_ERROR_TEXT]).split())
     plain = _LONG_WORD.sub(lambda word: f"{word[0][:60]}...{word[0][-57:]}", plain)
     return plain if len(plain) <= _LONGEST_ERROR_LINE else f"{plain[: _LONGEST_ERROR_LINE - 3]}..."
 
@@ -239,9 +239,10 @@ def visible(text: str, *, lines: bool = False) -> str:
 
 def _clipped(text: str) -> str:
     """A name, a path or a value as from `one_line`, with up to 240 characters; its spaces are kept."""
-    plain = _printable(text[:1000])
+    plain = printable(text[:1000])
     return plain if len(plain) <= 240 else f"{plain[:237]}..."
 
 
-def _printable(text: str) -> str:
+def printable(text: str) -> str:
+    """The text with a blank for every letter that does not print."""
     return text if text.isprintable() else "".join(letter if letter.isprintable() else " " for letter in text)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.effects import CommandDelay, Effect, JointCoupling
+from flexdyn.effects import CommandDelay, Effect, JointCoupling, JointEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import check_model
 
@@ -32,8 +31,7 @@ def _at_once(model: FlexibleJointModel) -> FlexibleJointModel:
     joints = {}
     for name, joint in model.joints.items():
         if joint.actuator is not None and joint.actuator.dc_motor.inductance > 0.0:
-            motor = replace(joint.actuator.dc_motor, inductance=0.0)
-            joints[name] = {"actuator": replace(joint.actuator, dc_motor=motor)}
+            joints[name] = {"actuator": joint.actuator.changed(inductance=0.0)}
     effects = [each.replace(level=0.0) if isinstance(each, JointCoupling) else each for each in model.effects]
     if not joints and effects == list(model.effects):
         return model
@@ -47,6 +45,13 @@ def command_delays(model: FlexibleJointModel) -> Array:
         if isinstance(effect, CommandDelay):
             delays[model.index(effect.joint)] += effect.delay
     return delays
+
+
+def dry_effects(model: FlexibleJointModel) -> Iterator[tuple[int, JointEffect]]:
+    """The dry friction of joints that is not neutral, with each joint's index."""
+    for effect in model.all_effects:
+        if effect.stage == "dry" and not effect.is_neutral and isinstance(effect, JointEffect):
+            yield model.index(effect.joint), effect
 
 
 def without(model: FlexibleJointModel, leave_out: Callable[[Effect], bool]) -> FlexibleJointModel:

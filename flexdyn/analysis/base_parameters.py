@@ -171,8 +171,7 @@ def base_parameters(
 def _motion(model: FlexibleJointModel, motion: Any, *samples: ArrayLike | None) -> Along:
     given = [each for each in samples if each is not None]
     if (motion is None) == (not given) or (given and len(given) < len(samples)):
-        remedy = "give a recording, or q, v and a"
-        raise InputError("a motion is needed", key="motion", remedy=remedy)
+        raise InputError("a motion is needed", key="motion", remedy="give a recording, or q, v and a")
     if motion is not None:
         return along_recording(model, motion)
     return along_samples(model, *(np.asarray(each, dtype=float) for each in given))

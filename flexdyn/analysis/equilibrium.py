@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from flexdyn.analysis.analysed_model import checked_model
 from flexdyn.analysis.eigenmodes import Tangent
 from flexdyn.analysis.holding import HoldingTorques, holding_at, link_range
 from flexdyn.analysis.jacobian import without_resting_friction
-from flexdyn.analysis.pose import Pose, pose, torques
+from flexdyn.analysis.pose import ByJoint, Pose, pose, torques
 from flexdyn.analysis.roots import Search
 from flexdyn.analysis.statics import Statics
 from flexdyn.arrays import Array
@@ -68,9 +66,7 @@ class Equilibrium(Locked):
         return self.stability in ("stable", "held")
 
 
-def equilibrium(
-    model: FlexibleJointModel, tau: ArrayLike | Mapping[str, float] | None = None, *, q_guess: Pose = None
-) -> Equilibrium:
+def equilibrium(model: FlexibleJointModel, tau: ByJoint | None = None, *, q_guess: Pose = None) -> Equilibrium:
     """Find the positions at which an arm rests under gravity and constant motor torques, with every spring and stop.
 
     First, dry friction is left out: the result is an equilibrium without it. If there is none, the result is the pose
@@ -143,8 +139,7 @@ def _frictionless(statics: Statics, q: Array, tau: Array) -> Equilibrium:
 
 def _smooth(statics: Statics) -> Statics:
     """The model without dry friction, whose contacts would have no acceleration at rest."""
-    model = statics.model
-    return Statics(without_resting_friction(model, np.zeros(statics.plant.state_size)), statics.t)
+    return Statics(without_resting_friction(statics.model, np.zeros(statics.plant.state_size)), statics.t)
 
 
 def _held(statics: Statics, guess: Array, tau: Array, mass: Array, size: Array) -> Equilibrium | None:

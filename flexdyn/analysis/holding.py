@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexdyn.analysis.analysed_model import checked_model
+from flexdyn.analysis.analysed_model import checked_model, dry_effects
 from flexdyn.analysis.pose import Pose, pose, vector
 from flexdyn.analysis.statics import Statics
 from flexdyn.arrays import Array
@@ -109,10 +109,7 @@ def levels(statics: Statics, q: Array, theta: Array, side: Literal["link", "moto
     model = statics.model
     negative, positive = np.zeros(model.n), np.zeros(model.n)
     tau_s: Array | None = None
-    for effect in model.all_effects:
-        if effect.stage != "dry" or effect.is_neutral or not isinstance(effect, JointEffect):
-            continue
-        j = model.index(effect.joint)
+    for j, effect in dry_effects(model):
         if side != (effect.side if model.elastic[j] else "motor"):
             continue
         if tau_s is None:
@@ -134,8 +131,7 @@ def spring_torques(statics: Statics, q: Array, theta: Array) -> Array:
             tau_s -= row * float(effect.torque(float(row @ q), 0.0, t=statics.t))
             continue
         j = model.index(effect.joint)
-        on_the_right = effect.stage == "link"
-        tau_s[j] -= (1.0 if on_the_right else -1.0) * float(effect.torque(q[j], 0.0, t=statics.t))
+        tau_s[j] -= (1.0 if effect.stage == "link" else -1.0) * float(effect.torque(q[j], 0.0, t=statics.t))
     return np.where(model.elastic, tau_s, 0.0)
 
 

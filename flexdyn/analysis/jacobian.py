@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from flexdyn import _core
-from flexdyn.analysis.analysed_model import without
+from flexdyn.analysis.analysed_model import dry_effects, without
 from flexdyn.analysis.statics import Statics
 from flexdyn.arrays import Array
-from flexdyn.effects import Effect, JointEffect
+from flexdyn.effects import Effect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 
@@ -20,10 +20,7 @@ def dry_velocities(model: FlexibleJointModel) -> dict[int, list[Effect]]:
     On a rigid joint the motor's dry friction acts on v.
     """
     contacts: dict[int, list[Effect]] = {}
-    for effect in model.all_effects:
-        if effect.stage != "dry" or effect.is_neutral or not isinstance(effect, JointEffect):
-            continue
-        j = model.index(effect.joint)
+    for j, effect in dry_effects(model):
         contacts.setdefault(int(model.rotor_places[j]) if effect.side == "motor" else j, []).append(effect)
     return contacts
 

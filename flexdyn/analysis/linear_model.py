@@ -136,11 +136,7 @@ def output_matrix(model: FlexibleJointModel, size: int, outputs: Sequence[str]) 
 
 def _row(model: FlexibleJointModel, size: int, signal: str, joint: str) -> Array:
     j, half = model.index(joint), model.n + int(model.elastic.sum())
-    rotor = int(model.rotor_places[j])
+    rotor, unit = int(model.rotor_places[j]), np.eye(size)
     if signal == "deflection":
-        row = np.zeros(size)
-        row[rotor] += 1.0
-        row[j] -= 1.0
-        return row
-    place = {"q": j, "theta": rotor, "v": half + j, "omega": half + rotor}[signal]
-    return np.asarray(np.eye(size)[place])
+        return np.asarray(unit[rotor] - unit[j])
+    return np.asarray(unit[{"q": j, "theta": rotor, "v": half + j, "omega": half + rotor}[signal]])

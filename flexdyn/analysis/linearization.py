@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from flexdyn.analysis.analysed_model import checked_model, command_delays
 from flexdyn.analysis.jacobian import actuator_gains, resting, sliding_rate, state_matrix, without_resting_friction
 from flexdyn.analysis.linear_model import LinearModel, output_matrix, state_names
-from flexdyn.analysis.pose import Pose, pose, torques, vector
+from flexdyn.analysis.pose import ByJoint, Pose, pose, torques, vector
 from flexdyn.analysis.statics import Statics
 from flexdyn.arrays import Array
 from flexdyn.checks import check_known
@@ -23,7 +23,7 @@ from flexdyn.simulation.plant import build_plant
 def linearize(
     model: FlexibleJointModel,
     x: Pose = None,
-    tau: ArrayLike | Mapping[str, float] | None = None,
+    tau: ByJoint | None = None,
     *,
     outputs: Sequence[str] = ("q", "theta"),
     inputs: Sequence[str] | None = None,
@@ -97,7 +97,7 @@ def frequency_response(
     frequencies: ArrayLike,
     *,
     x: Pose = None,
-    tau: ArrayLike | Mapping[str, float] | None = None,
+    tau: ByJoint | None = None,
     inputs: Sequence[str] | None = None,
     outputs: Sequence[str] = ("q", "theta"),
     stuck: Literal["free", "held"] = "free",
@@ -125,13 +125,10 @@ def frequency_response(
         >>> found.shape[0]
         50
     """
-    linear = linearize(model, x, tau, inputs=inputs, outputs=outputs, stuck=stuck)
-    return linear.frequency_response(frequencies)
+    return linearize(model, x, tau, inputs=inputs, outputs=outputs, stuck=stuck).frequency_response(frequencies)
 
 
-def _point(
-    model: FlexibleJointModel, x: Pose, tau: ArrayLike | Mapping[str, float] | None, t: float
-) -> tuple[Array, Array]:
+def _point(model: FlexibleJointModel, x: Pose, tau: ByJoint | None, t: float) -> tuple[Array, Array]:
     """State (nx,) and commanded torques (n,) to linearise at."""
     statics, n = Statics(model, t), model.n
     if x is None or isinstance(x, Mapping) or np.shape(x) == (n,):

@@ -12,7 +12,8 @@ from flexdyn.checks import as_numbers, check_known
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Pose = ArrayLike | Mapping[str, float] | None
+ByJoint = ArrayLike | Mapping[str, float]
+Pose = ByJoint | None
 
 
 def pose(model: FlexibleJointModel, q: Pose, key: str = "q") -> Array:
@@ -41,7 +42,7 @@ def vector(value: ArrayLike, size: int, key: str, remedy: str) -> Array:
     return array
 
 
-def torques(model: FlexibleJointModel, tau: ArrayLike | Mapping[str, float]) -> Array:
+def torques(model: FlexibleJointModel, tau: ByJoint) -> Array:
     """Commanded motor torques (n,) [N m or N]; a mapping names some joints, the others get 0.
 
     Raises:
@@ -50,9 +51,7 @@ def torques(model: FlexibleJointModel, tau: ArrayLike | Mapping[str, float]) -> 
     return _of_joints(model, tau, "tau", {})
 
 
-def _of_joints(
-    model: FlexibleJointModel, given: ArrayLike | Mapping[str, float], key: str, others: Mapping[str, float]
-) -> Array:
+def _of_joints(model: FlexibleJointModel, given: ByJoint, key: str, others: Mapping[str, float]) -> Array:
     """One number for each joint (n,), from all of them or by joint; `others` has those that are not named, else 0."""
     names = model.joint_names
     if isinstance(given, Mapping):

@@ -9,12 +9,13 @@ import numpy as np
 import pinocchio as pin
 
 from flexdyn.arrays import Array
-from flexdyn.effects import CoulombFriction, Payload, TorqueOffset, ViscousFriction
+from flexdyn.effects import CoulombFriction, TorqueOffset, ViscousFriction
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.given import as_recording
 from flexdyn.records.signals.derivatives import derivatives
 from flexdyn.robot.tree import Tree
+from flexdyn.simulation.plant import with_payloads
 
 MOST_SAMPLES_ALONG = 4000
 """Largest number of samples of a recording that are used; of more, evenly spaced ones."""
@@ -122,26 +123,13 @@ def regressor(model: FlexibleJointModel, q: Array, v: Array, a: Array, omega: Ar
     joints = np.einsum("tjk,ij->tijk", per_joint, np.eye(model.n)).reshape(len(q) * model.n, -1)
     names = [f"{name}.{number}" for name in list(arm.names)[1:] for number in BODY]
     names += [f"{joint}.{number}" for joint in model.joint_names for number in ("J", *FRICTION)]
-    values = np.concatenate([_bodies(model), *_joints(model)])
+    values = np.concatenate([body_numbers(with_payloads(model.robot, model.all_effects)), *_joints(model)])
     return Regressor(tuple(names), np.hstack([np.concatenate(bodies), joints]), values)
 
 
 def body_numbers(tree: Tree) -> Array:
     """The bodies' numbers (10 m,), in the order of `BODY`."""
-    found = []
-    for mass, com, inertia in zip(tree.mass, tree.com, tree.inertia, strict=True):
-        about = inertia + mass * (com @ com * np.eye(3) - np.outer(com, com))
-        xx, xy, yy, xz, yz, zz = (about[i, j] for i, j in ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)))
-        found.append([mass, *(mass * com), xx, xy, yy, xz, yz, zz])
-    return np.ravel(found)
-
-
-def _bodies(model: FlexibleJointModel) -> Array:
-    tree = model.robot.tree
-    for effect in model.all_effects:
-        if isinstance(effect, Payload):
-            tree = tree.with_point_mass(model.robot.frame(effect.frame or model.robot.tip), effect.mass)
-    return body_numbers(tree)
+    return np.ravel(tree.inertial_parameters[:, : len(BODY)])
 
 
 def _joints(model: FlexibleJointModel) -> list[Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -25,7 +25,7 @@ from flexdyn.model.model_file import model_from_dict
 from flexdyn.records import Recording, read_recording
 from flexdyn.simulation.command_input import make_drive
 from flexdyn.simulation.job import Job, Shared, prepare
-from flexdyn.simulation.parameter_variants import VariantColumns, Variants
+from flexdyn.simulation.parameter_variants import Progress, VariantColumns, Variants
 from flexdyn.simulation.solvers import Solver, make_solver
 
 MOST_KEPT = 4
@@ -112,9 +112,7 @@ class Cases:
         starts = {f"{signal}0": given for signal, given in self._starts(changes).items()}
         return Case(changes.model(self.model), command, starts)
 
-    def together(
-        self, table: Mapping[str, Array], out: Mapping[str, Array], progress: Callable[[int], None] | None
-    ) -> Flags:
+    def together(self, table: Mapping[str, Array], out: Mapping[str, Array], progress: Progress) -> Flags:
         """Integrate runs together if they differ only in numbers of one plant.
 
         Args:

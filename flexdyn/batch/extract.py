@@ -57,8 +57,7 @@ def extract(study: Study, k: int, folder: Path) -> Extracted:
     """
     last = study.count - 1
     whole("extract", k, 0, last, problem="there is no such run", remedy=f"runs are 0 to {last}")
-    cases = cases_of(study)
-    case = cases.case(k)
+    case = cases_of(study).case(k)
     settings = _settings(study.solver)
     make_folder(folder)
     model, command = folder / "model.yaml", _write_command(case.command, folder)

@@ -11,6 +11,7 @@ from flexdyn.effects import Effect, JointEffect
 from flexdyn.effects.base import unit_for
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
+from flexdyn.records.signals.cut import with_channels
 from flexdyn.robot import load_robot
 
 JOINT_UNITS = {"gear_ratio": "1", "rotor_inertia": "kg m^2", "stiffness": "N m/rad", "damping": "N m s/rad"}
@@ -62,11 +63,8 @@ class Changes:
     def command(self, base: Any, joint_names: tuple[str, ...]) -> Any:
         """The command with the changes; the same object if there are none."""
         if isinstance(base, Recording) and self.scale is not None:
-            scale = self.scale
-            channels = {
-                name: column * scale if name.startswith("tau.") else column for name, column in base.channels.items()
-            }
-            return Recording(base.t, channels, meta=base.meta, name=base.name)
+            torques = {name: column for name, column in base.channels.items() if name.startswith("tau.")}
+            return with_channels(base, {name: column * self.scale for name, column in torques.items()})
         if isinstance(base, PD) and (self.gains or self.rate is not None):
             settings = {each.name: getattr(base, each.name) for each in fields(base)}
             for gain, values in self.gains.items():
@@ -150,5 +148,4 @@ def _joint_unit(unit: str, slides: bool) -> str:
 
 def _slides(effect: Effect, kinds: Mapping[str, str]) -> bool:
     """Whether an effect acts on a prismatic joint."""
-    joint = effect.joint if isinstance(effect, JointEffect) else ""
-    return kinds.get(joint) == "prismatic"
+    return kinds.get(effect.joint if isinstance(effect, JointEffect) else "") == "prismatic"

@@ -38,8 +38,7 @@ def open_results(path: str | Path) -> Results:
         InputError: there is none.
         MissingExtra: zarr or xarray is not installed.
     """
-    store = open_store(Path(path))
-    return Results(Path(path), store.study)
+    return Results(Path(path), open_store(path).study)
 
 
 @dataclass(frozen=True, eq=False)

@@ -74,8 +74,7 @@ def run_study(
 def _work(
     executor: Executor, study: Study, store: Store, chunks: Sequence[int], tell: Callable[[Progress], None]
 ) -> None:
-    ahead = sum(len(study.bounds(chunk)) for chunk in chunks)
-    meter = Meter(study.count, study.count - ahead)
+    meter = Meter(study.count, study.count - sum(len(study.bounds(chunk)) for chunk in chunks))
     tell(meter.now())
     for done in executor.run(Task(study.to_text(), os.path.abspath(store.path)), chunks):
         tell(meter.add(done.runs, done.failed))

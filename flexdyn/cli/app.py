@@ -70,7 +70,9 @@ def build() -> Any:
         app.command()(command)
     app.command(cls=DiagnoseCommand)(diagnose)
     if completion.asked():
-        completion.prepare()
+        from typer.completion import get_completion_inspect_parameters
+
+        get_completion_inspect_parameters()  # lets typer answer the known shells
     return typer.main.get_command(app)
 
 

@@ -103,10 +103,8 @@ def _summarise(store: Path, output: Path | None, views: list[str] | None, as_jso
 def _extract(store: Path, k: int, output: Path | None, as_json: bool) -> None:
     from flexdyn.batch.results import open_results
 
-    if output is None:
-        raise InputError("say where to write", key="--output", remedy="give the path of a folder")
-    output_folder(output)
-    taken = open_results(store).extract(k, output)
+    folder = output_folder(output, "give the path of a folder")
+    taken = open_results(store).extract(k, folder)
     if as_json:
         show_json({each.name: getattr(taken, each.name) for each in fields(taken)})
     else:

@@ -19,13 +19,6 @@ def asked() -> bool:
     return VARIABLE in os.environ
 
 
-def prepare() -> None:
-    """Let typer answer the known shells."""
-    from typer.completion import get_completion_inspect_parameters
-
-    get_completion_inspect_parameters()
-
-
 def install(wanted: bool) -> None:
     """Write the script for the running shell to the place where that shell reads it.
 

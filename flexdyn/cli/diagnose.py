@@ -17,6 +17,7 @@ from flexdyn.cli.options import JsonOption, ModelArgument, naming, option, outpu
 from flexdyn.cli.output import note, show, show_json
 from flexdyn.cli.recordings import load_each, trimmed
 from flexdyn.cli.target import model_file
+from flexdyn.errors import check_installed
 
 FitArgument = Annotated[
     list[Path], typer.Argument(metavar="FIT...", help="Recordings to explain; a.csv+b.csv: side by side.")
@@ -50,8 +51,7 @@ class DiagnoseCommand(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the arguments."""
         takes = {name: 0 if getattr(entry, "is_flag", False) else 1 for entry in self.params for name in entry.opts}
-        parsed: list[str] = super().parse_args(ctx, spread(args, takes))
-        return parsed
+        return list(super().parse_args(ctx, spread(args, takes)))
 
 
 def spread(args: Sequence[str], takes: Mapping[str, int]) -> list[str]:
@@ -103,9 +103,9 @@ def diagnose(
     checks, targets = check or [], explain or []
     folder = diagnose_inputs.report_folder(output, [Path(model), *fit, *checks])
     diagnose_inputs.check_twice(fit, checks)
-    diagnose_inputs.check_pictures()
+    check_installed("plotly", "plot")  # the report's pictures need it: better said now than after minutes of work
     arm = model_file(model)
-    diagnose_inputs.check_targets(model, arm, targets)
+    diagnose_inputs.check_targets(arm, targets)
     blocks = [diagnose_inputs.block_of(text) for text in hold_out or ()]
     loaded = trimmed(load_each([*fit, *checks], maps or ()), trim or ())
     recordings = [loaded[: len(fit)], loaded[len(fit) :]]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from flexdyn.cli.options import naming, output_folder, span_of
 from flexdyn.cli.recordings import parts_of
-from flexdyn.errors import InputError, check_installed
+from flexdyn.errors import InputError
 
 if TYPE_CHECKING:
     from flexdyn.diagnose.report.measures import Record
@@ -38,7 +38,7 @@ def record_of(model: str, fit: Sequence[Path], check: Sequence[Path], maps: Sequ
     return lambda: record(shlex.join(["flexdyn", *sys.argv[1:]]), files)
 
 
-def check_targets(path: str, model: FlexibleJointModel, targets: Sequence[str]) -> None:
+def check_targets(model: FlexibleJointModel, targets: Sequence[str]) -> None:
     """What is to be explained exists: better said now than after the work."""
     from flexdyn.diagnose.report.explain import check_target
 
@@ -49,9 +49,7 @@ def check_targets(path: str, model: FlexibleJointModel, targets: Sequence[str]) 
 
 def report_folder(path: Path | None, inputs: Sequence[Path]) -> Path:
     """The folder to write to, found fit before any work is done."""
-    if path is None:
-        raise InputError("say where to write", key="--output", remedy="give a folder for the report")
-    output_folder(path)
+    path = output_folder(path, "give a folder for the report")
     for name in ("model.yaml", "report.json", "report.html"):
         for given in inputs:
             if (path / name).exists() and given.exists() and given.samefile(path / name):
@@ -66,11 +64,6 @@ def check_twice(fit: Sequence[Path], check: Sequence[Path]) -> None:
         if any(path.exists() and other.exists() and path.samefile(other) for other in fit):
             remedy = "give another recording, or none: then the last fifth of every one is kept for the test"
             raise InputError("it is one of FIT too", file=path, key=CHECK, remedy=remedy)
-
-
-def check_pictures() -> None:
-    """What the report is drawn with is there: better said now than after minutes of work."""
-    check_installed("plotly", "plot")
 
 
 def named(paths: Sequence[Path]) -> str:

@@ -80,11 +80,7 @@ def _numbers(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
 def _errors(diagnosis: Diagnosis) -> Iterator[tuple[str, ...]]:
     """A row for every joint."""
     for joint, entry in diagnosis.errors.items():
-        torque = f"{digits.rounded(entry.torque.before)}, {digits.rounded(entry.torque.after)} {entry.torque.unit}"
         share = f"{digits.percent(entry.torque.share_before)}, {digits.percent(entry.torque.share_after)}"
-        position = (
-            f"{digits.rounded(entry.position.before)}, {digits.rounded(entry.position.after)} {entry.position.unit}"
-        )
-        position = "prescribed" if entry.force else position
+        position = "prescribed" if entry.force else digits.errors_text(entry.position)
         noise = f"{digits.times(entry.gap[0])}, {digits.times(entry.gap[-1])}" if entry.gap else "-"
-        yield joint, torque, share, position, noise
+        yield joint, digits.errors_text(entry.torque), share, position, noise

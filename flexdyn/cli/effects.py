@@ -84,8 +84,7 @@ def _named(name: str) -> type[Effect]:
     first_words = {kind.rpartition("_")[0]: kind for kind in catalogue()}
     near = get_close_matches(name, first_words, n=1, cutoff=0.8)
     if near and name not in by_class and name not in catalogue():
-        remedy = f"did you mean '{first_words[near[0]]}'?"
-        raise InputError("no such effect", key="effect", value=name, remedy=remedy)
+        raise InputError("no such effect", key="effect", value=name, remedy=f"did you mean '{first_words[near[0]]}'?")
     return by_class.get(name) or find_effect(name)
 
 

@@ -15,11 +15,12 @@ from flexdyn.cli.motors import motors
 from flexdyn.cli.options import JsonOption, by_joint, flag, model_argument, naming, option, output_file, output_option
 from flexdyn.cli.output import number, show, show_json, table
 from flexdyn.cli.target import Target, find
-from flexdyn.effects import Effect, JointEffect, Payload, unit_for
+from flexdyn.effects import Effect, JointEffect, Payload
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.resolved_parameters import units_of
 from flexdyn.plots import SUFFIXES, draw_frequencies
-from flexdyn.robot.axes import joint_row, plain_axes
+from flexdyn.robot.axes import plain_axes
 from flexdyn.simulation.plant import LinkSide
 
 DRIVES = {
@@ -149,22 +150,10 @@ def _joint(model: FlexibleJointModel, j: int, q: float, inertia: float) -> dict[
     }
 
 
-def _slides(model: FlexibleJointModel, joint: str) -> bool:
-    row = joint_row(model.robot, joint)
-    place = model.index(joint) if row is None else int(np.flatnonzero(row)[0])
-    return model.robot.kinds[place] == "prismatic"
-
-
 def _effect(model: FlexibleJointModel, effect: Effect, origin: str) -> dict[str, Any]:
     joint = effect.joint if isinstance(effect, JointEffect) else None
-    prismatic = joint is not None and _slides(model, joint)
-    numbers = {
-        field.name: {
-            "value": getattr(effect, field.name),
-            "unit": unit_for(field.metadata["unit"], prismatic=prismatic),
-        }
-        for field in effect.parameters()
-    }
+    units = units_of(model.robot, effect, joint)
+    numbers = {name: {"value": getattr(effect, name), "unit": unit} for name, unit in units.items()}
     known = {"joint", "side", *numbers}
     others = {f.name: getattr(effect, f.name) for f in fields(effect) if f.name not in known}  # type: ignore[arg-type]
     return {

@@ -18,7 +18,7 @@ def motors(joints: Sequence[Mapping[str, Any]]) -> Any:
         joints: of the document of `flexdyn info`.
     """
     driven = [(joint["name"], joint["actuator"]) for joint in joints if joint["actuator"] is not None]
-    columns = ("joint", *(f"{name.replace('_', ' ')}" for name in UNITS), "firmware")
+    columns = ("joint", *(name.replace("_", " ") for name in UNITS), "firmware")
     rows = [
         (
             name,

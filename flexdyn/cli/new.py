@@ -93,14 +93,8 @@ def quoted(text: str) -> str:
     """A text in YAML, in double quotes if it needs them."""
     if _PLAIN.fullmatch(text) and text.lower() not in _WORDS:
         return text
-    letters = []
-    for letter in text:
-        if letter in '"\\':
-            letters.append(f"\\{letter}")
-        elif letter.isprintable():
-            letters.append(letter)
-        else:
-            letters.append(f"\\U{ord(letter):08x}")
+    escaped = text.replace("\\", r"\\").replace('"', r"\"")
+    letters = (x if x.isprintable() else f"\\U{ord(x):08x}" for x in escaped)
     return f'"{"".join(letters)}"'
 
 

@@ -146,12 +146,18 @@ def picture_file(path: Path | None, inputs: Sequence[Path | None] = ()) -> Path 
     return None if path is None else output_file("--output", path, FILES, inputs=inputs)
 
 
-def output_folder(path: Path) -> None:
-    """Check the folder of --output before any work is done; it is created when there is something to write.
+def output_folder(path: Path | None, remedy: str = "") -> Path:
+    """The folder of --output, checked before any work is done; it is created when there is something to write.
+
+    Args:
+        path: as given.
+        remedy: what to do if it was not given.
 
     Raises:
-        InputError: it is a file, or in a file, or cannot be written to.
+        InputError: not given, a file, in a file, or it cannot be written to.
     """
+    if path is None:
+        raise InputError("say where to write", key="--output", remedy=remedy)
     if path.exists() and not path.is_dir():
         raise InputError("it is a file", file=path, key="--output", remedy="give a folder")
     parent = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
@@ -159,6 +165,7 @@ def output_folder(path: Path) -> None:
         raise InputError("a folder cannot be made in a file", file=path, key="--output", value=str(parent))
     if not os.access(parent, os.W_OK):
         raise InputError("the folder cannot be written to", file=path, key="--output", value=str(parent))
+    return path
 
 
 @contextmanager

@@ -60,8 +60,7 @@ class Sheet:
 
     def _below(self, width: int) -> list[str]:
         """The first cell of each row above the others; empty if these do not fit."""
-        others = range(1, len(self.columns))
-        widths = self._widths(others, width - COLUMN_GAP)
+        widths = self._widths(range(1, len(self.columns)), width - COLUMN_GAP)
         if widths is None or len(self.columns) < 3:
             return []
         found = [" " * COLUMN_GAP + line for line in self._line(self.columns, widths, rule=True, first=1)]

@@ -35,21 +35,21 @@ SYMBOLS = {
     "| |": "the largest size",
 }
 """Meanings of the symbols in a run's table."""
+OutputOption = Annotated[Path | None, options.output_option("RUN", f"The run: {', '.join(SUFFIXES)} by its suffix.")]
+CommandOption = Annotated[
+    Path | None,
+    options.option(
+        "FILE",
+        "A recording whose tau drives the arm, or a YAML file with pd: or torques:. Default: the model's own, "
+        "else no torque.",
+    ),
+]
 
 
 def simulate(
     model: options.ModelArgument,
-    output: Annotated[
-        Path | None, options.output_option("RUN", f"The run: {', '.join(SUFFIXES)} by its suffix.")
-    ] = None,
-    command: Annotated[
-        Path | None,
-        options.option(
-            "FILE",
-            "A recording whose tau drives the arm, or a YAML file with pd: or torques:. Default: the model's own, "
-            "else no torque.",
-        ),
-    ] = None,
+    output: OutputOption = None,
+    command: CommandOption = None,
     map: options.MapOption = None,
     duration: Annotated[str | None, options.option("S", "Duration in s. Default: the command's.")] = None,
     solver: Annotated[str, options.option("NAME", f"auto, {', '.join(SOLVERS)}.")] = "auto",

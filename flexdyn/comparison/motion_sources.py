@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, printable
 from flexdyn.records import Recording
 from flexdyn.records.given import as_recording
 from flexdyn.records.units import signal_unit
@@ -52,10 +52,6 @@ class MotionSource:
         units = self.recording.meta.get("units", {})
         return self.recording.unit(channel) if self.run is not None or channel in units else ""
 
-    def renamed(self, name: str) -> MotionSource:
-        """The same motion under another name."""
-        return MotionSource(name, self.recording, self.run)
-
 
 def as_source(given: Any, name: str = "") -> MotionSource:
     """Convert anything that can be drawn to a motion.
@@ -70,14 +66,9 @@ def as_source(given: Any, name: str = "") -> MotionSource:
     if isinstance(given, MotionSource):
         return given
     if isinstance(given, Run):
-        return MotionSource(printable(name or given.model.name) or "run", _true(given), given)
+        return MotionSource(printable(name or given.model.name).strip() or "run", _true(given), given)
     given = as_recording(given)
-    return MotionSource(printable(name or given.name) or "recording", given)
-
-
-def printable(name: str) -> str:
-    """A name without control characters for pictures and terminals."""
-    return "".join(letter if letter.isprintable() else " " for letter in name).strip()
+    return MotionSource(printable(name or given.name).strip() or "recording", given)
 
 
 def as_sources(given: Sequence[Any]) -> tuple[MotionSource, ...]:
@@ -92,7 +83,7 @@ def as_sources(given: Sequence[Any]) -> tuple[MotionSource, ...]:
     for i, name in enumerate(names):
         counts[name] = counts.get(name, 0) + 1
         if names.count(name) > 1:
-            sources[i] = sources[i].renamed(f"{name} ({counts[name]})")
+            sources[i] = replace(sources[i], name=f"{name} ({counts[name]})")
     return tuple(sources)
 
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace flexdyn {
 
@@ -101,199 +100,6 @@ void Plant::rotor(const double* x, double* theta, double* omega) const {
   }
 }
 
-LawInput Plant::input(const Workspace& w, const Law& law, double t, const double* x) const {
-  const int j = law.joint;
-  const bool link = law.side == Side::link;
-  LawInput in{t, link ? x[j] : w.theta[j], link ? v(x)[j] : w.omega[j]};
-  if (!law.row.empty()) {
-    in.x = in.u = 0.0;
-    for (int k = 0; k < n_; ++k) {
-      in.x += law.row[k] * x[k];
-      in.u += law.row[k] * v(x)[k];
-    }
-  }
-  in.tau_s = w.tau_s[j];
-  if (law.state >= 0) in.z = z(x)[law.state];
-  if (law.other >= 0) in.other = w.omega[law.other];
-  return in;
-}
-
-void Plant::evaluate_laws(Workspace& w, double t, const double* x, const double* tau) const {
-  rotor(x, w.theta.data(), w.omega.data());
-  transmission(w, t, x);
-  actuators(w, t, x, tau);
-  frictions(w, t, x);
-}
-
-void Plant::transmission(Workspace& w, double t, const double* x) const {
-  const double* v_ = v(x);
-  if (plain_) {  // linear springs and dampers alone
-    for (const int j : elastic_) {
-      w.deflection[j] = w.theta[j] - x[j];
-      w.tau_s[j] = w.tau_rotor[j] = K_[j] * w.deflection[j] + D_[j] * (w.omega[j] - v_[j]);
-    }
-    return;
-  }
-  for (const int j : elastic_) {
-    w.deflection[j] = w.theta[j] - x[j];
-    w.deflection_rate[j] = w.omega[j] - v_[j];
-    w.rotor_gain[j] = 1.0;
-  }
-  for (const Law& law : deflection_) {
-    const int j = law.joint;
-    if (law.kind == LawKind::kinematic_error) {
-      const double angle = law.p[1] * w.theta[j] + law.p[2], slope = law.p[0] * law.p[1] * std::cos(angle);
-      w.deflection[j] += law.p[0] * std::sin(angle);
-      w.deflection_rate[j] += slope * w.omega[j];
-      w.rotor_gain[j] += slope;
-      continue;
-    }
-    w.switch_input[law.region] = w.deflection[j];
-    if (!w.located) w.region[law.region] = current_region(w, law.region, t, x);
-    const int side = w.region[law.region];
-    w.deflection[j] = side == 0 ? 0.0 : w.deflection[j] - side * law.p[0];
-    if (side == 0) w.deflection_rate[j] = 0.0;
-  }
-  for (const int j : elastic_) w.spring[j] = K_[j] * w.deflection[j];
-  for (const Law& law : spring_) {
-    const int j = law.joint;
-    if (law.state >= 0 && w.without_internal) continue;
-    LawInput in{t, w.deflection[j], w.deflection_rate[j]};
-    if (law.state >= 0) in.z = z(x)[law.state];
-    w.spring[j] += law.callback ? (*law.callback)(in, 0.0) : spring_torque(law.kind, law.p, in);
-  }
-  for (const int j : elastic_) {
-    const double damping = D_[j] * (w.omega[j] - v_[j]);
-    w.tau_s[j] = w.spring[j] + damping;
-    w.tau_rotor[j] = w.rotor_gain[j] * w.spring[j] + damping;
-  }
-  for (const Law& law : damper_) {
-    const double torque = law.p[0] * (w.omega[law.joint] - v_[law.joint]);
-    w.tau_s[law.joint] += torque;
-    w.tau_rotor[law.joint] += torque;
-  }
-}
-
-void Plant::actuators(Workspace& w, double t, const double* x, const double* tau) const {
-  std::copy(tau, tau + n_, w.tau_applied.begin());
-  for (const Law& law : actuator_) {
-    double& torque = w.tau_applied[law.joint];
-    LawInput in{t, w.theta[law.joint], w.omega[law.joint]};
-    if (law.callback) {
-      torque = (*law.callback)(in, torque);
-      continue;
-    }
-    if (law.state >= 0) {
-      in.z = z(x)[law.state];
-      w.winding_input[law.state] = torque;
-    }
-    int region = 0;
-    if (law.region >= 0) {
-      w.switch_input[law.region] = torque;
-      if (!w.located) w.region[law.region] = region_of(law.kind, law.p, in, torque);
-      region = w.region[law.region];
-    }
-    const bool mean = law.state >= 0 && region == 0 && w.winding_step > 0.0;
-    torque = mean ? winding_mean(law.p, in, torque, w.winding_step)
-                  : actuator_torque(law.kind, law.p, in, torque, region);
-  }
-}
-
-void Plant::frictions(Workspace& w, double t, const double* x) const {
-  for (int j = 0; j < n_; ++j) w.f_link[j] = w.f_motor[j] = w.tau_link[j] = 0.0;
-  for (const Law& law : friction_) {
-    if (law.state >= 0 && w.without_internal) continue;
-    const LawInput in = input(w, law, t, x);
-    const int region = follow(w, law, in);
-    const double torque = law.callback ? (*law.callback)(in, 0.0) : friction_torque(law.kind, law.p, in, region);
-    (law.side == Side::link ? w.f_link : w.f_motor)[law.joint] += torque;
-  }
-  for (const Law& law : link_) {
-    const LawInput in = input(w, law, t, x);
-    const double torque = link_torque(law.kind, law.p, in, follow(w, law, in));
-    if (law.row.empty()) w.tau_link[law.joint] += torque;
-    for (std::size_t k = 0; !w.joint_local && k < law.row.size(); ++k) w.tau_link[k] += law.row[k] * torque;
-  }
-  dry_frictions(w, t, x);
-}
-
-void Plant::dry_frictions(Workspace& w, double t, const double* x) const {
-  for (std::size_t c = 0; c < dry_.size(); ++c) {
-    const DryContact& contact = dry_[c];
-    if (contact.couples() && w.joint_local) continue;
-    const double u = contact_speed(contact, x);
-    for (const Law& law : contact.laws) {
-      if (law.region >= 0) follow(w, law, input(w, law, t, x));
-    }
-    if (w.located) {
-      w.friction[c] = w.motion[c] == stuck ? 0.0 : w.motion[c] * level(w, c, t, x, w.motion[c]);
-    } else {
-      w.friction[c] = level(w, c, t, x, u < 0.0 ? -1.0 : 1.0) * smooth_sign(u, w.smoothing);
-    }
-    rub(w, c);
-  }
-}
-
-double Plant::level(const Workspace& w, std::size_t contact, double t, const double* x, double direction) const {
-  double sum = 0.0;
-  for (const Law& law : dry_[contact].laws) sum += level_of(w, law, t, x, direction);
-  return sum;
-}
-
-double Plant::level_of(const Workspace& w, const Law& law, double t, const double* x, double direction) const {
-  const LawInput in = input(w, law, t, x);
-  return dry_level(law.kind, law.p, in, direction, region_at(w, law, in));
-}
-
-int Plant::region_at(const Workspace& w, const Law& law, const LawInput& in) const {
-  if (law.region < 0) return 0;
-  return w.located ? w.region[law.region] : region_of(law.kind, law.p, in, 0.0);
-}
-
-int Plant::follow(Workspace& w, const Law& law, const LawInput& in) const {
-  if (law.region < 0) return 0;
-  return w.region[law.region] = region_at(w, law, in);
-}
-
-bool Plant::at_zero_corner(const Workspace& w, int which, double t, const double* x) const {
-  const Law& law = switches_[which];
-  if (corner_of(law.kind) != Corner::at_zero) return false;
-  const double rounding = corner_rounding(law, x);
-  return std::abs(region_margin(w, which, t, x) - rounding) <= rounding;
-}
-
-// An unloaded gear at rest must not change sign with every last bit.
-double Plant::corner_rounding(const Law& law, const double* x) const {
-  const bool of_load = law.kind == LawKind::load_dependent_friction || law.kind == LawKind::directional_gear_loss;
-  return of_load ? load_rounding(law.joint, x) : 0.0;
-}
-
-double Plant::load_rounding(int joint, const double* x) const {
-  const int slot = rotor_slot_[joint];
-  if (slot < 0) return 0.0;
-  constexpr double bits = 4.0 * std::numeric_limits<double>::epsilon();
-  const double *speed = v(x), *rotor = x + n_;
-  const double bent = K_[joint] * (std::abs(x[joint]) + std::abs(rotor[slot]));
-  return bits * (bent + D_[joint] * (std::abs(speed[joint]) + std::abs(speed[n_ + slot])));
-}
-
-int Plant::current_region(const Workspace& w, int which, double t, const double* x) const {
-  const Law& law = switches_[which];
-  return region_of(law.kind, law.p, input(w, law, t, x), w.switch_input[which]);
-}
-
-double Plant::region_margin(const Workspace& w, int which, double t, const double* x) const {
-  const Law& law = switches_[which];
-  const double margin = region_guard(law.kind, law.p, input(w, law, t, x), w.switch_input[which], w.region[which]);
-  return margin + corner_rounding(law, x);
-}
-
-bool Plant::in_gap(const Workspace& w, int joint) const {
-  return std::any_of(deflection_.begin(), deflection_.end(), [&](const Law& law) {
-    return law.kind == LawKind::backlash && law.joint == joint && w.region[law.region] == 0;
-  });
-}
-
 void Plant::assemble_drive(Workspace& w, const double* tau_ext) const {
   for (int j = 0; j < n_; ++j) {
     const int slot = rotor_slot_[j];
@@ -349,23 +155,6 @@ void Plant::derivative(Workspace& w, double t, const double* x, const double* ta
   internal_rates(w, t, x, dx + 2 * half);
 }
 
-void Plant::internal_rates(const Workspace& w, double t, const double* x, double* rate) const {
-  for (const Law& law : actuator_) {
-    if (law.state < 0) continue;
-    const bool at_limit = law.region >= 0 && w.region[law.region] != 0;
-    rate[law.state] = at_limit ? 0.0 : winding_rate(law.p, input(w, law, t, x), w.winding_input[law.state]);
-  }
-  for (const Law& law : friction_) {
-    if (law.state >= 0) rate[law.state] = internal_rate(law.kind, law.p, input(w, law, t, x));
-  }
-  for (const Law& law : spring_) {
-    if (law.state < 0) continue;
-    LawInput in{t, w.deflection[law.joint], w.deflection_rate[law.joint]};
-    in.z = z(x)[law.state];
-    rate[law.state] = internal_rate(law.kind, law.p, in);
-  }
-}
-
 void Plant::torques(Workspace& w, double t, const double* x, const double* tau, const double* tau_ext) const {
   evaluate_laws(w, t, x, tau);
   if (elastic() == n_) return;
@@ -379,19 +168,6 @@ void Plant::torques(Workspace& w, double t, const double* x, const double* tau, 
     w.tau_s[j] = w.tau_applied[j] - w.f_motor[j] - rotor;
   }
   for (std::size_t c = 0; c < dry_.size(); ++c) w.tau_s[dry_[c].joint] -= motor_share(w, c, t, x);
-}
-
-double Plant::motor_share(const Workspace& w, std::size_t contact, double t, const double* x) const {
-  const DryContact& dry = dry_[contact];
-  if (dry.side != Side::link || rotor_slot_[dry.joint] >= 0 || w.friction[contact] == 0.0) return 0.0;
-  const double direction = w.friction[contact] < 0.0 ? -1.0 : 1.0;
-  double motor = 0.0, all = 0.0;
-  for (const Law& law : dry.laws) {
-    const double one = level_of(w, law, t, x, direction);
-    all += one;
-    if (law.side == Side::motor) motor += one;
-  }
-  return all > 0.0 ? w.friction[contact] * motor / all : 0.0;
 }
 
 }  // namespace flexdyn

@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "step_contacts.hpp"
+
 namespace flexdyn {
 
 namespace {
@@ -30,7 +32,7 @@ class TimeStepping : public Stepper {
   TimeStepping(const Plant& plant, Plant::Workspace& work, Events::Torque torque, Events::External external,
                double step)
       : plant_(plant), work_(work), torque_(std::move(torque)), external_(std::move(external)), grid_(step),
-        n_(plant.n()), e_(plant.elastic()), N_(n_ + e_), motion_(plant.contacts().size(), stuck) {
+        n_(plant.n()), N_(plant.velocities()), contacts_(plant) {
     work_.located = true;
     for (const auto* laws : {&plant.frictions(), &plant.springs()}) {
       for (const Law& law : *laws) bristles_ = bristles_ || law.state >= 0;
@@ -102,17 +104,17 @@ class TimeStepping : public Stepper {
     plant_.links().inverse_derivatives(*work_.links, x_.data(), plant_.v(x_.data()), rest.data(), by_q_.data(),
                                        by_v_.data());
     assemble();
-    levels();
+    contacts_.levels(work_, t_, x_, h_);
     VectorXd w = Map<const VectorXd>(plant_.v(x_.data()), N_);
     if (!bristles_) {
-      w = boxed_solve(A_, b_);
+      w = contacts_.boxed_solve(A_, b_);
     } else {
       for (int newton = 0; newton < 20; ++newton) {
         const VectorXd guess = w;
         MatrixXd A = A_;
         VectorXd b = b_;
         add_bristles(guess, A, b);
-        w = boxed_solve(A, b);
+        w = contacts_.boxed_solve(A, b);
         if ((w - guess).lpNorm<Eigen::Infinity>() <= 1e-12 * (1.0 + w.lpNorm<Eigen::Infinity>())) break;
       }
     }
@@ -150,136 +152,6 @@ class TimeStepping : public Stepper {
       A_.topLeftCorner(n_, n_) -= (h * by_u + h * h * by_x) * gain * gain.transpose();
       b_.head(n_) -= h * by_u * gain.dot(Map<const VectorXd>(w, n_)) * gain;
     });
-  }
-
-  // Level of every contact for sliding on (at this velocity) and for turning round (from rest).
-  void levels() {
-    const auto& contacts = plant_.contacts();
-    level_.resize(2 * contacts.size());
-    std::vector<double> x = x_;
-    work_.located = false;  // a level is that of the load as it is, on whatever piece the step ends
-    for (std::size_t c = 0; c < contacts.size(); ++c) {
-      const std::size_t at = plant_.velocity_index(contacts[c]);
-      for (const int direction : {backward, forward}) {
-        if (contacts[c].couples()) {
-          level_[2 * c + (direction > 0)] = h_ * plant_.level(work_, c, t_, x.data(), direction);
-          continue;
-        }
-        x[at] = direction * x_[at] > 0.0 ? x_[at] : 0.0;
-        const double saved = rate_of(contacts[c]);
-        set_rate(contacts[c], x[at]);
-        level_[2 * c + (direction > 0)] = h_ * plant_.level(work_, c, t_, x.data(), direction);
-        set_rate(contacts[c], saved);
-      }
-      x[at] = x_[at];
-    }
-    work_.located = true;
-  }
-
-  // Rotor velocities that laws see are kept in the workspace.
-  double rate_of(const DryContact& contact) const { return work_.omega[contact.joint]; }
-  void set_rate(const DryContact& contact, double value) {
-    if (contact.side == Side::motor) work_.omega[contact.joint] = value;
-  }
-
-  // Bard's pivoting: flip the first contact that contradicts itself until none does; motions of the last step first.
-  VectorXd boxed_solve(const MatrixXd& A, const VectorXd& b) {
-    const auto& contacts = plant_.contacts();
-    const int base = N_;
-    VectorXd w(N_);
-    std::vector<int> free;
-    for (int pivot = 0; pivot < 1000; ++pivot) {
-      VectorXd rest = b;
-      std::vector<char> held(N_, 0);
-      std::vector<Tie> ties;
-      for (std::size_t c = 0; c < contacts.size(); ++c) {
-        const auto at = static_cast<int>(plant_.velocity_index(contacts[c])) - base;
-        const double sliding = motion_[c] * level_[2 * c + (motion_[c] > 0)];
-        if (contacts[c].couples()) {
-          const auto other = static_cast<int>(plant_.other_index(contacts[c])) - base;
-          if (motion_[c] == stuck) ties.push_back({at, other, contacts[c].ratio, c});
-          rest[at] -= sliding;
-          rest[other] += contacts[c].ratio * sliding;
-        } else if (motion_[c] == stuck) {
-          held[at] = 1;
-        } else {
-          rest[at] -= sliding;
-        }
-      }
-      if (plant_.has_couplings()) {
-        if (settled(A, rest, held, ties, w)) break;
-        continue;
-      }
-      free.clear();
-      for (int i = 0; i < N_; ++i) {
-        if (!held[i]) free.push_back(i);
-      }
-      w.setZero();
-      if (!free.empty()) {
-        const VectorXd moving = MatrixXd(A(free, free)).partialPivLu().solve(VectorXd(rest(free)));
-        w(free) = moving;
-      }
-      bool consistent = true;
-      for (std::size_t c = 0; c < contacts.size() && consistent; ++c) {
-        const auto at = static_cast<int>(plant_.velocity_index(contacts[c])) - base;
-        const int before = motion_[c];
-        if (before != stuck) {
-          if (before * w[at] <= 0.0) motion_[c] = stuck;
-        } else {
-          const double reaction = rest[at] - A.row(at).dot(w);
-          if (reaction > level_[2 * c + 1]) motion_[c] = forward;
-          else if (reaction < -level_[2 * c]) motion_[c] = backward;
-        }
-        consistent = motion_[c] == before;
-      }
-      if (consistent) break;
-    }
-    return w;
-  }
-
-  // One pivot where motors are coupled by dry friction: the motion of these contacts, and whether none contradicts it.
-  bool settled(const MatrixXd& A, const VectorXd& rest, const std::vector<char>& held, const std::vector<Tie>& ties,
-               VectorXd& w) {
-    const auto& contacts = plant_.contacts();
-    const MatrixXd T = free_moves(held, ties);
-    w.setZero();
-    if (T.cols() > 0) w = T * MatrixXd(T.transpose() * A * T).partialPivLu().solve(VectorXd(T.transpose() * rest));
-    VectorXd reaction = rest - A * w;
-    std::vector<double> friction(contacts.size(), 0.0);
-    for (const Tie& tie : ties) {
-      friction[tie.contact] = take_share(tie, held, box_of(tie.contact), box_at(tie.one), box_at(tie.other),
-                                         reaction[tie.one], reaction[tie.other]);
-    }
-    std::vector<double> velocities(x_.size(), 0.0);
-    std::copy(w.data(), w.data() + N_, velocities.begin() + N_);
-    int* pinned = nullptr;  // taken to slide and held by others and a coupling: these have to give way first
-    for (std::size_t c = 0; c < contacts.size(); ++c) {
-      const int before = motion_[c];
-      if (before != stuck) {
-        const double speed = before * plant_.contact_speed(contacts[c], velocities.data());
-        if (speed == 0.0 && pinned == nullptr) pinned = &motion_[c];
-        if (speed < 0.0) motion_[c] = stuck;
-      } else {
-        const auto at = static_cast<Eigen::Index>(plant_.velocity_index(contacts[c])) - N_;
-        const double load = contacts[c].couples() ? friction[c] : reaction[at];
-        const Box box = box_of(c);
-        if (load > box.above) motion_[c] = forward;
-        else if (load < -box.below) motion_[c] = backward;
-      }
-      if (motion_[c] != before) return false;
-    }
-    if (pinned != nullptr) *pinned = stuck;
-    return pinned == nullptr;
-  }
-
-  // What a contact can hold over the step.
-  Box box_of(std::size_t contact) const { return {level_[2 * contact], level_[2 * contact + 1]}; }
-  Box box_at(int velocity) const {
-    const auto& contacts = plant_.contacts();
-    for (std::size_t c = 0; c < contacts.size(); ++c) {
-      if (!contacts[c].couples() && static_cast<int>(plant_.velocity_index(contacts[c])) - N_ == velocity) return box_of(c);
-    }
-    return {};
   }
 
   // Forces of laws with an internal state, linearised in the velocity that drives them.
@@ -350,14 +222,14 @@ class TimeStepping : public Stepper {
   Events::External external_;
   EqualSteps grid_;
   double h_ = 0.0, t_before_ = 0.0;
-  int n_, e_, N_;
+  int n_, N_;
   bool bristles_ = false;
-  std::vector<int> motion_;
+  StepContacts contacts_;
   LocalSlopes slopes_;
   RowMatrix H_, by_q_, by_v_;
   MatrixXd A_;
   VectorXd b_, bias_;
-  std::vector<double> before_, after_, level_;
+  std::vector<double> before_, after_;
 };
 
 }  // namespace

@@ -9,8 +9,6 @@
 // slides. Positions follow as p' = p + h w'. Order 1.
 #pragma once
 
-#include <Eigen/LU>
-
 #include "events.hpp"
 #include "plant.hpp"
 #include "steppers.hpp"

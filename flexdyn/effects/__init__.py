@@ -10,6 +10,7 @@ from flexdyn.effects.actuator import (
 )
 from flexdyn.effects.base import Effect, JointEffect, parameter, registered, unit_for
 from flexdyn.effects.catalogue import catalogue, effect_from_dict
+from flexdyn.effects.channels import measure, recovered
 from flexdyn.effects.coupling import JointCoupling
 from flexdyn.effects.friction import (
     AsymmetricFriction,
@@ -30,8 +31,6 @@ from flexdyn.effects.sensor import (
     SensorEffect,
     SensorGain,
     SensorOffset,
-    measure,
-    recovered,
 )
 from flexdyn.effects.transmission import (
     Backlash,

@@ -28,7 +28,6 @@ class TorqueOffset(ActuatorEffect):
     """
 
     law = "tau + offset"
-    neutral = {"offset": 0.0}
     shown = {"offset": 0.3}
     order = 2
     linear = ("offset",)
@@ -48,7 +47,6 @@ class TorqueConstantError(ActuatorEffect):
     """
 
     law = "(1 + gain)*tau"
-    neutral = {"gain": 0.0}
     shown = {"gain": 0.2}
     order = 1
     linear = ("gain",)

@@ -72,7 +72,8 @@ class Effect:
             ``link`` (right side, on the link), ``inertia`` (changes M and h), ``sensor`` (what is measured),
             ``model`` (a number of the model).
         law: its formula as the catalogue shows it, in x, u (position, velocity of its side), tau, delta.
-        neutral: the parameter values at which it changes nothing; a neutral effect is left out of the plant.
+        neutral: the parameter values at which it changes nothing; a neutral effect is left out of the plant. Default:
+            0 for what it is `linear` in.
         no_torque: if the law is no torque over position and velocity: what to use instead.
         shown: parameter values with which the documentation shows it.
         takes_load: its torque depends on what the transmission carries, so that it needs an elastic joint.
@@ -139,6 +140,7 @@ class Effect:
         dataclasses.dataclass(frozen=True, kw_only=True)(cls)
         if cls.grids:
             cls.axes = tuple(cls.grids)
+        cls.neutral = cls.neutral or dict.fromkeys(cls.linear, 0.0)
         if abstract:
             return
         cls.name = re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()

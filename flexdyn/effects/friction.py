@@ -30,7 +30,6 @@ class ViscousFriction(Friction):
     """
 
     law = "coefficient*u"
-    neutral = {"coefficient": 0.0}
     shown = {"coefficient": 0.5}
     linear = ("coefficient",)
     prevalence = "everywhere"
@@ -51,7 +50,6 @@ class CoulombFriction(DryFriction):
     """
 
     law = "level*Sgn(u)"
-    neutral = {"level": 0.0}
     shown = {"level": 1.0}
     linear = ("level",)
     prevalence = "everywhere"
@@ -73,7 +71,6 @@ class AsymmetricFriction(DryFriction):
     """
 
     law = "(level_positive if u > 0 else level_negative)*Sgn(u)"
-    neutral = {"level_positive": 0.0, "level_negative": 0.0}
     shown = {"level_positive": 1.2, "level_negative": 0.7}
     linear = ("level_positive", "level_negative")
     contains = ("coulomb_friction", "torque_offset")
@@ -99,7 +96,6 @@ class StribeckFriction(DryFriction):
     """
 
     law = "excess*exp(-(abs(u)/velocity)^exponent)*Sgn(u)"
-    neutral = {"excess": 0.0}
     shown = {"excess": 0.5, "velocity": 0.1}
     linear = ("excess",)
     grids = {"velocity": ("speed", spaced(0.003, 0.4, 9))}
@@ -128,7 +124,6 @@ class AsymmetricViscousFriction(Friction):
     """
 
     law = "(coefficient_positive if u > 0 else coefficient_negative)*u"
-    neutral = {"coefficient_positive": 0.0, "coefficient_negative": 0.0}
     shown = {"coefficient_positive": 0.6, "coefficient_negative": 0.3}
     linear = ("coefficient_positive", "coefficient_negative")
     contains = ("viscous_friction",)
@@ -150,7 +145,6 @@ class QuadraticDrag(Friction):
     """
 
     law = "coefficient*u*abs(u)"
-    neutral = {"coefficient": 0.0}
     shown = {"coefficient": 0.3}
     linear = ("coefficient",)
 

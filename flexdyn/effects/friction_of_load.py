@@ -25,7 +25,6 @@ class LoadDependentFriction(GearLoss):
     """
 
     law = "coefficient*abs(tau_s)*Sgn(u)"
-    neutral = {"coefficient": 0.0}
     shown = {"coefficient": 0.15}
     linear = ("coefficient",)
     natural_size = 0.15
@@ -68,7 +67,6 @@ class DirectionalGearLoss(GearLoss):
     """
 
     law = "(driving if tau_s*u > 0 else driven)*abs(tau_s)*Sgn(u)"
-    neutral = {"driving": 0.0, "driven": 0.0}
     shown = {"driving": 0.15, "driven": 0.4}
     linear = ("driving", "driven")
     contains = ("load_dependent_friction",)

@@ -116,7 +116,6 @@ class WarmUpFriction(JointEffect):
 
     sides = ("link", "motor")
     law = "coefficient*exp(-t/time_constant)*u"
-    neutral = {"coefficient": 0.0}
     shown = {"coefficient": 1.0, "time_constant": 300.0}
     linear = ("coefficient",)
     grids = {"time_constant": ("seconds", spaced(0.04, 1.5, 7))}

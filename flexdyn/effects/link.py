@@ -25,7 +25,6 @@ class Payload(Effect):
 
     stage = "inertia"
     law = "a point mass at the origin of frame"
-    neutral = {"mass": 0.0}
     no_torque = "it changes M(q) and h(q, v)"
     shown = {"mass": 1.0}
 
@@ -55,7 +54,6 @@ class ParallelSpring(LinkEffect):
     """
 
     law = "-stiffness*(q - rest)"
-    neutral = {"stiffness": 0.0}
     shown = {"stiffness": 20.0, "rest": 0.3}
 
     linear = ("stiffness",)
@@ -86,7 +84,6 @@ class PositionTorque(LinkEffect):
     """
 
     law = "-(cos_1*cos(q) + sin_1*sin(q) + cos_2*cos(2*q) + sin_2*sin(2*q))"
-    neutral = {"cos_1": 0.0, "sin_1": 0.0, "cos_2": 0.0, "sin_2": 0.0}
     shown = {"cos_1": 1.0, "sin_1": 0.0, "cos_2": 0.0, "sin_2": 0.3}
 
     linear = ("cos_1", "sin_1", "cos_2", "sin_2")

@@ -20,12 +20,6 @@ HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
 """Signals that keep their value from one sample to the next."""
 SAME_INSTANT = 1e-10
 """Times closer than this are one [s]."""
-DISC_ROUNDS, DISC_ROUNDING = 20, 4.0
-"""Rounds for the angle under an eccentric disc, at most, and the change that is rounding [units of the last place]."""
-NEWTON_ROUNDS, NEWTON_ROUNDING = 30, 1e-14
-"""Steps of Newton's method, at most, and the share of the largest value below which a step is rounding."""
-NEWTON_DIFFERENCE, SMALLEST_SLOPE = 1e-6, 0.05
-"""Step of the differences by which its slopes are taken, and the slope below which 1 is taken instead."""
 
 
 class SensorEffect(Effect, abstract=True):
@@ -113,8 +107,7 @@ class ChannelLag(SensorEffect):
         if self.signal not in HELD:
             return np.asarray(np.interp(times - self.delay, times, true))
         # Rounding of t - delay must not miss a sample by its last bit.
-        instants = times - self.delay + SAME_INSTANT
-        return true[np.maximum(np.searchsorted(times, instants, side="right") - 1, 0)]
+        return true[np.maximum(np.searchsorted(times, times - self.delay + SAME_INSTANT, side="right") - 1, 0)]
 
 
 class EncoderEccentricity(WaveEffect, SensorEffect):
@@ -158,7 +151,6 @@ class SensorOffset(SensorEffect):
     """
 
     law = "x + offset"
-    neutral = {"offset": 0.0}
     shown = {"offset": 0.01}
     natural_size = 0.01
     linear = ("offset",)
@@ -187,7 +179,6 @@ class SensorGain(SensorEffect):
     """
 
     law = "(1 + gain)*x"
-    neutral = {"gain": 0.0}
     shown = {"gain": 0.05}
     natural_size = 0.03
     linear = ("gain",)
@@ -198,70 +189,3 @@ class SensorGain(SensorEffect):
     def error(self, x: Array) -> Array:
         """Proportional to the value."""
         return self.gain * x
-
-
-_ORDER = (ChannelLag, EncoderEccentricity, SensorGain, SensorOffset)
-
-
-def measure(effects: Iterable[SensorEffect], x: ArrayLike, t: ArrayLike) -> Array:
-    """A channel as the sensor with all of these effects reports it.
-
-    They act in the order lag, eccentricity, gain, offset, users' own. Several of one kind have the same input, and
-    their errors add.
-
-    Args:
-        effects: on this channel; neutral ones change nothing, bit for bit.
-        x: the true channel (samples,).
-        t: times of the samples [s].
-    """
-    channel = np.asarray(x, dtype=float)
-    acting = [effect for effect in effects if not effect.is_neutral]
-    lags = [effect for effect in acting if isinstance(effect, ChannelLag)]
-    if lags:
-        lag = dataclasses.replace(lags[0], delay=sum(effect.delay for effect in lags))
-        channel = lag.measured(channel, t)
-    for kind in _ORDER[1:]:
-        errors = [effect.error(channel) for effect in acting if isinstance(effect, kind)]
-        channel = channel + sum(errors) if errors else channel
-    for effect in acting:
-        if not isinstance(effect, _ORDER):
-            channel = np.asarray(effect.measured(channel, t), dtype=float)
-    return channel
-
-
-def recovered(effects: Iterable[SensorEffect], reported: ArrayLike, t: ArrayLike) -> Array:
-    """The true channel behind a reported one, but for its lag, which is a shift in time: the inverse of `measure`.
-
-    Users' own effects by Newton's method, sample by sample; then offset and gain; eccentricity by fixed-point
-    iteration, each round of which reduces the error by the factor amplitude times harmonic, far below 1.
-
-    Args:
-        effects: on this channel; those that make it late are passed over.
-        reported: the measured channel (samples,).
-        t: times of the samples [s].
-    """
-    acting = [effect for effect in effects if not effect.is_neutral and not isinstance(effect, ChannelLag)]
-    x = _newton([effect for effect in acting if not isinstance(effect, _ORDER)], np.asarray(reported, float), t)
-    offset = sum(effect.offset for effect in acting if isinstance(effect, SensorOffset))
-    gain = sum(effect.gain for effect in acting if isinstance(effect, SensorGain))
-    x = (x - offset) / (1.0 + gain)
-    discs = [effect for effect in acting if isinstance(effect, EncoderEccentricity)]
-    seen = x
-    for _ in range(DISC_ROUNDS if discs else 0):
-        before, x = x, seen - sum(effect.error(x) for effect in discs)
-        if np.abs(x - before).max(initial=0.0) < DISC_ROUNDING * np.spacing(np.abs(x).max(initial=0.0)):
-            break
-    return x
-
-
-def _newton(effects: list[SensorEffect], reported: Array, t: ArrayLike) -> Array:
-    """The channel that effects of any law make the reported one of."""
-    x = reported
-    for _ in range(NEWTON_ROUNDS if effects else 0):
-        low, now, high = (measure(effects, x + step, t) for step in (-NEWTON_DIFFERENCE, 0.0, NEWTON_DIFFERENCE))
-        slope = (high - low) / (2.0 * NEWTON_DIFFERENCE)
-        step = (reported - now) / np.where(np.abs(slope) > SMALLEST_SLOPE, slope, 1.0)
-        x = x + step
-        if not np.abs(step).max(initial=0.0) > NEWTON_ROUNDING * np.abs(x).max(initial=0.0):
-            break
-    return x

@@ -67,7 +67,6 @@ class TransmissionDamping(TransmissionEffect):
     """
 
     law = "coefficient*(omega - v)"
-    neutral = {"coefficient": 0.0}
     shown = {"coefficient": 2.0}
     linear = ("coefficient",)
     of_velocity = True
@@ -87,7 +86,6 @@ class HardeningSpring(TransmissionEffect):
 
     bends_spring = True
     law = "cubic*delta^3"
-    neutral = {"cubic": 0.0}
     shown = {"cubic": 2.0e8}
     linear = ("cubic",)
 
@@ -164,7 +162,6 @@ class SpringHysteresis(MemoryEffect):
     stage = "spring"
     bends_spring = True
     law = "stiffness*h, h' = delta' - abs(delta')*h/width"
-    neutral = {"stiffness": 0.0}
     shown = {"stiffness": 1000.0, "width": 0.002}
     linear = ("stiffness",)
     grids = {"width": ("deflection", spaced(0.003, 3.0, 9))}

@@ -47,7 +47,8 @@ def page(template: str, title: str, *, scripts: tuple[str, ...], **filled: Any) 
         scripts: texts of all scripts that may run; the template reads them as ``scripts``.
         filled: what else the template needs.
     """
-    hashes = " ".join(f"'sha256-{_sha256(text)}'" for text in scripts)
+    digests = (base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii") for text in scripts)
+    hashes = " ".join(f"'sha256-{digest}'" for digest in digests)
     style = _markup((ROOT / template).with_name("page.css").read_text(encoding="utf-8"))
     texts = [_markup(text) for text in scripts]
     policy = f"{POLICY}; script-src {hashes}"
@@ -59,7 +60,3 @@ def _markup(text: str) -> Markup:
     from markupsafe import Markup
 
     return Markup(text)  # noqa: S704
-
-
-def _sha256(text: str) -> str:
-    return base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")

@@ -121,10 +121,13 @@ class Actuator:
         limit = SupplyLimit(joint, limit=abs(asked) * motor.supply)
         return (torque,) if limit.is_neutral else (limit, torque)
 
+    def changed(self, **numbers: float) -> Actuator:
+        """A copy with other numbers of the motor."""
+        return dataclasses.replace(self, dc_motor=dataclasses.replace(self.dc_motor, **numbers))
+
     def scaled(self, number: str, factor: float) -> Actuator:
         """A copy with one number of the motor multiplied by a factor."""
-        motor = dataclasses.replace(self.dc_motor, **{number: getattr(self.dc_motor, number) * factor})
-        return dataclasses.replace(self, dc_motor=motor)
+        return self.changed(**{number: getattr(self.dc_motor, number) * factor})
 
     def held(self, gear_ratio: float) -> Actuator:
         """A copy that keeps the present factor from volts to commanded torque when its numbers or the gear change."""

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from flexdyn.errors import InputError, did_you_mean, placed
+from flexdyn.errors import InputError, did_you_mean, placed, printable
 from flexdyn.io.files import exists, is_file, relative, write_text
 from flexdyn.io.locked import thawed
 from flexdyn.io.yaml import check_format, check_keys, dump_yaml, parse_yaml, read_yaml
@@ -105,7 +105,7 @@ def save_model(model: FlexibleJointModel, path: str | Path) -> None:
         6
     """
     file = Path(path)
-    title = "".join(letter if letter.isprintable() else " " for letter in model.name)
+    title = printable(model.name)
     head = f"# {title}: a flexdyn model. SI units; rotor_inertia on the motor side, everything else reflected.\n"
     write_text(file, head + dump_yaml(model_to_dict(model, file.parent)))
 

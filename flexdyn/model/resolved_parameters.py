@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.checks import check_known
-from flexdyn.effects import Effect, JointElasticity, ParameterError
+from flexdyn.effects import Effect, JointElasticity, ParameterError, unit_for
 from flexdyn.effects.model_error import effect_place
 from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.model.given_number import UNKNOWN
@@ -21,6 +21,12 @@ OF_JOINT = ("gear_ratio", "rotor_inertia", "stiffness", "damping")
 OF_MOTOR = ("torque_constant", "resistance")
 OF_URDF = {"urdf_damping": "damping", "urdf_friction": "friction"}
 OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
+
+
+def units_of(robot: Robot, effect: Effect, joint: str | None) -> dict[str, str]:
+    """The units of an effect's parameters, which are other ones where its joint slides."""
+    slides = joint is not None and robot.angle_unit(joint) == "m"
+    return {field.name: unit_for(str(field.metadata["unit"]), prismatic=slides) for field in effect.parameters()}
 
 
 def folded(
@@ -80,8 +86,7 @@ def _fold_effect(effects: list[Effect], error: ParameterError) -> None:
     target = effects[place]
     if isinstance(target, ParameterError):
         raise InputError("a parameter error has none itself", key="of", value=error.of)
-    known = [field.name for field in target.parameters()]
-    _check_parameter(error, known, target.name)
+    _check_parameter(error, [field.name for field in target.parameters()], target.name)
     entry = {key: value for key, value in target.to_dict().items() if key != "effect"}
     entry[error.parameter] *= error.factor
     effects[place] = type(target).from_dict(entry)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
@@ -65,9 +66,7 @@ def _run_data(run: Run) -> dict[str, Any]:
 
 def _escaped(text: str) -> str:
     """Text for a cell of a table. A bar would end it, stars and underscores would make italics, < would open a tag."""
-    for mark in ("|", "*", "_", "<"):
-        text = text.replace(mark, "\\" + mark)
-    return text
+    return re.sub(r"[|*_<]", r"\\\g<0>", text)
 
 
 def readings(cases: PaperCases) -> list[dict[str, str]]:

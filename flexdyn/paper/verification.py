@@ -77,8 +77,7 @@ def _kinematics(cases: PaperCases) -> list[Check]:
         [pin.computeFrameJacobian(model, data, each, frame, pin.LOCAL_WORLD_ALIGNED)[:2] for each in robot.expand(q)]
     )
     place = np.abs(frame_positions(robot, q)[:, :2] - eq.tip(arm, q)).max()
-    accelerations = np.random.default_rng(SEED + 1).uniform(-5.0, 5.0, q.shape)
-    measured, given = tip_acceleration(arm, q, v, accelerations)
+    measured, given = tip_acceleration(arm, q, v, np.random.default_rng(SEED + 1).uniform(-5.0, 5.0, q.shape))
     return [
         stated("jacobian", relative(eq.jacobian(arm, q), jacobians), states=STATES),
         stated("tip_position", place, states=STATES),

@@ -117,5 +117,4 @@ def _over_time(found: Comparison, worst: Sequence[ChannelError]) -> Block:
 def _hue(found: Comparison, channel: str) -> str:
     """Colour of the channel's joint, by its index in the first motion; black for a channel without joint."""
     parts = split_name(channel)
-    joints = found.sources[0].joints
-    return hue(joints.index(parts[1])) if parts else INK
+    return hue(found.sources[0].joints.index(parts[1])) if parts else INK

@@ -72,14 +72,10 @@ def plot(
     notes = [_described(scene, place) for place in range(min(4, len(scene.sources)))]
     drawn, energy = _drawable(scene, wanted, arm, notes, chosen=views is not None)
     scene = _bounded(scene, drawn, notes, chosen=joints is not None)
-    apart = [short(source.name) for source, rows in zip(scene.sources, scene.common, strict=True) if rows is None]
-    if apart:
-        first = short(scene.sources[0].name)
-        notes.append(f"No residual, because there is no time in common with {first}: {', '.join(apart)}.")
     blocks = _joint_blocks(scene, drawn)
-    keys = keys_of(scene, drawn, _panels(blocks)) if blocks else ()
-    if any(panel is not None and panel.up.startswith(RESIDUAL) for panel in _panels(blocks)):
-        notes.append(f"{RESIDUAL.capitalize()}: the others less {short(scene.sources[0].name)}.")
+    panels = [panel for block in blocks for row in block.rows for panel in row]
+    keys = keys_of(scene, drawn, panels) if blocks else ()
+    _note_residuals(scene, panels, notes)
     blocks += energy
     if not blocks:
         problem = f"there is nothing to draw of {', '.join(wanted)}"
@@ -189,8 +185,13 @@ def _grid_shape(count: int) -> tuple[int, float, float]:
     return (3, 3.5, 1.5) if count <= 18 else (4, 2.8, 1.3)
 
 
-def _panels(blocks: Sequence[Block]) -> list[Panel | None]:
-    return [panel for block in blocks for row in block.rows for panel in row]
+def _note_residuals(scene: PlotScene, panels: Sequence[Panel | None], notes: list[str]) -> None:
+    first = short(scene.sources[0].name)
+    apart = [short(source.name) for source, rows in zip(scene.sources, scene.common, strict=True) if rows is None]
+    if apart:
+        notes.append(f"No residual, because there is no time in common with {first}: {', '.join(apart)}.")
+    if any(panel is not None and panel.up.startswith(RESIDUAL) for panel in panels):
+        notes.append(f"{RESIDUAL.capitalize()}: the others less {first}.")
 
 
 def _described(scene: PlotScene, place: int) -> str:

@@ -50,8 +50,7 @@ def dress(axes: Any, across: str, up: str) -> None:
     axes.grid(color="#e5e7eb", linewidth=0.7)
     axes.set_axisbelow(True)
     axes.locator_params(axis="x", nbins=7)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
+    axes.spines[["top", "right"]].set_visible(False)
 
 
 def cross(axes: Any) -> None:

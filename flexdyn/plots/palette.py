@@ -24,8 +24,6 @@ PARTS = {
 """Colours of the entries of an energy ledger; no joint has one of them."""
 LOSSES = ("#CC6677", "#DDCC77", "#117733", "#AA4466", "#888888", "#EE8866", "#99DDFF", "#BBCC33")
 """Colours of the energies that effects dissipate."""
-DASHES = ("solid", "dashed", "dashdot", "dotted")
-"""Line styles that both renderers have."""
 _BLENDS = (
     ("#000000", 0.0),
     ("#000000", 0.55),

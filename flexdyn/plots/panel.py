@@ -25,7 +25,7 @@ class Key:
     Attributes:
         label: its text.
         colour: of its line.
-        dash: of its line, one of `flexdyn.plots.palette.DASHES`.
+        dash: of its line, solid, dashed, dashdot or dotted.
         width: of its line [pt].
         dots: whether it shows a row of dots instead.
     """
@@ -47,7 +47,7 @@ class Curve:
         name: of the signal, such as ``q.elbow``.
         group: label of the line in the legend that shows and hides it.
         colour: of the line.
-        dash: one of `flexdyn.plots.palette.DASHES`.
+        dash: solid, dashed, dashdot or dotted.
         width: [pt].
         dots: whether dots are drawn at the samples instead of a line; many dots are smaller.
         held: whether every value is held until the next (steps).

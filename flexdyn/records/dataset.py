@@ -43,7 +43,9 @@ def to_dataset(rec: Recording) -> Any:
     """
     xarray = library()
     joints = list(rec.joints)
-    prismatic = np.array([any(_is_prismatic(rec, signal, joint) for signal in SIGNALS) for joint in joints], bool)
+    prismatic = np.array(
+        [any(rec.unit(f"{s}.{j}") != SIGNALS[s] for s in rec.signals if rec.has(s, j)) for j in joints], bool
+    )
     stacked = [signal for signal in rec.signals if _stacks(rec, signal, prismatic)]
     variables: dict[str, Any] = {}
     for name, values in rec.channels.items():
@@ -100,11 +102,6 @@ def library() -> Any:
     with needed("xarray", "xarray"):
         import xarray
     return xarray
-
-
-def _is_prismatic(rec: Recording, signal: str, joint: str) -> bool:
-    name = f"{signal}.{joint}"
-    return name in rec and rec.unit(name) != SIGNALS[signal]
 
 
 def _stacks(rec: Recording, signal: str, prismatic: Any) -> bool:

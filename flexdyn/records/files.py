@@ -75,8 +75,7 @@ def read_recording(
 
     * CSV (.csv, .txt, .tsv): a header ``t,q.elbow,...`` and numbers; semicolons, tabs and spaces, quotes, a byte-order
       mark, CRLF and comment lines (#) before the header are taken too, and units behind the names (``q.elbow [rad]``).
-      An empty cell is a gap, to be repaired. Dates with times of day are counted from the first. Where the letters or
-      the decimal sign must be guessed, a `RecordingWarning` says so.
+      An empty cell is a gap, to be repaired. Dates with times of day are counted from the first.
     * NPZ: one array per channel and ``t``; no pickle is loaded.
     * HDF5 (.h5, .hdf5): one dataset per channel and ``t``, flat (``/q.elbow``) or grouped by signal (``/q/elbow``).
     * Parquet: one column per channel and ``t``, as pandas writes them.
@@ -88,9 +87,8 @@ def read_recording(
     With a map the file may have any columns; columns of two-dimensional arrays are named ``q[:,0]`` (NPZ, HDF5) or
     ``rec.pos(1,:)`` (MAT), fields of messages ``position.elbow``, other topics ``/left/states.position.elbow``.
 
-    Units in a file that are not SI are refused, unless a map converts them. Faults of the samples (numbers that are not
-    finite, times that do not increase) are refused too, unless a repair is requested. Nothing in a file is executed and
-    no other file is opened.
+    Units that are not SI are refused unless a map converts them, faults of the samples (numbers that are not finite,
+    times that do not increase) unless a repair is requested. Nothing in a file is executed, no other file is opened.
 
     Args:
         path: the file, or the folder of a ROS 2 bag.
@@ -119,7 +117,14 @@ def read_recording(
         >>> fd.read_recording("run.npz").joints
         ('shoulder', 'elbow')
     """
-    path = Path(path)
+    made, said = _read(Path(path), map, repair, name, progress)
+    for text in (*said, *_doubts(made)):
+        warnings.warn(f"{Path(path)}: {text}", RecordingWarning, stacklevel=2)
+    return made
+
+
+def _read(path: Path, map: Any, repair: Any, name: str | None, progress: Any) -> tuple[Recording, list[str]]:
+    """The recording in a file, as its map and the repairs make it, and what its reader guessed."""
     fmt = _format_of(path)
     channel_map = map if map is None or isinstance(map, ChannelMap) else read_map(map)
     asked = repairs_of(repair)
@@ -129,12 +134,15 @@ def read_recording(
         table = repaired(table, asked) if channel_map is None else apply_map(table, channel_map, asked)
         if table.said:
             table.meta["notes"] = [*table.meta.get("notes", ()), *table.said]
-        made = Recording.from_table(table, path.stem if name is None else name)
-    question = asked_back(made.channels)
-    seen = [told(made.t), f"no channel is a signal of a joint: {question}" if question else ""]
-    for text in (*table.said, *filter(None, seen)):
-        warnings.warn(f"{path}: {text}", RecordingWarning, stacklevel=2)
-    return made
+        return Recording.from_table(table, path.stem if name is None else name), table.said
+
+
+def _doubts(rec: Recording) -> Iterator[str]:
+    """Gaps in time, and names that are no signals although they are similar."""
+    if gaps := told(rec.t):
+        yield gaps
+    if question := asked_back(rec.channels):
+        yield f"no channel is a signal of a joint: {question}"
 
 
 def is_recording(path: str | os.PathLike[str]) -> bool:

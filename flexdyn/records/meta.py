@@ -51,8 +51,7 @@ def as_json(meta: Mapping[str, Any]) -> str:
 
 def as_plain(meta: Mapping[str, Any]) -> dict[str, Any]:
     """A deep copy in plain dictionaries and lists, free to change."""
-    plain: dict[str, Any] = json.loads(as_json(meta))
-    return plain
+    return dict(json.loads(as_json(meta)))
 
 
 def from_json(text: str) -> dict[str, Any]:

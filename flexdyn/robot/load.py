@@ -69,8 +69,7 @@ def load_robot(
     except InputError as error:
         of_the_file = error.key is None or not error.key.startswith("lock")
         raise (error.at(file=path) if of_the_file else error) from None
-    links = resolve_meshes(urdf.links, path, folders)
-    return replace(robot, _links=links, _joints=urdf.joints)
+    return replace(robot, _links=resolve_meshes(urdf.links, path, folders), _joints=urdf.joints)
 
 
 def _folders(package_dirs: str | Path | Iterable[str | Path]) -> tuple[Path, ...]:
@@ -100,8 +99,7 @@ def _model_of(urdf: Urdf) -> Normalised:
     write_limits(made.model, column("lower"), column("upper"), column("velocity"), column("effort"), column("friction"))
     made.model.damping = column("damping")
     made.model.name = urdf.name
-    mimics = {joint.name: joint.mimic for joint in ordered if joint.mimic is not None}
-    return replace(made, mimics=mimics)
+    return replace(made, mimics={joint.name: joint.mimic for joint in ordered if joint.mimic is not None})
 
 
 def _complaint(text: str) -> str | None:

@@ -87,7 +87,6 @@ def check_lock(
             remedy = f"lock its leader '{mimics[joint][0]}'"
             raise InputError("the joint mimics another and cannot be locked alone", key=key, remedy=remedy)
         if joint not in moving:
-            free = [name for name in moving if name not in mimics]
-            check_known(joint, free, "no such joint", key=key)
+            check_known(joint, [name for name in moving if name not in mimics], "no such joint", key=key)
         checked[joint] = number(key, value, "not a finite number", remedy="give the position in rad or m")
     return checked

@@ -44,8 +44,7 @@ def motion_of(model: pin.Model, index: int) -> JointMotion:
     Raises:
         InputError: it is not one rotation or one translation.
     """
-    joint = model.joints[index]
-    kind_name = joint.shortname()
+    kind_name = model.joints[index].shortname()
     if kind_name == "JointModelMimic":
         return _mimic_motion(model, index)
     match = _NAME.fullmatch(kind_name)

@@ -63,8 +63,7 @@ def normalise(model: pin.Model) -> Normalised:
         if not new.existFrame(new.names[index], pin.FrameType.JOINT):
             new.addJointFrame(index)
     _copy_numbers(model, new, motions)
-    names = list(model.names)[1:]
-    named = list(zip(names, motions, strict=True))
+    named = list(zip(list(model.names)[1:], motions, strict=True))
     continuous = frozenset(name for name, motion in named if motion.continuous)
     return Normalised(new, continuous, {name: motion.mimic for name, motion in named if motion.mimic is not None})
 

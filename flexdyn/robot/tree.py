@@ -108,8 +108,7 @@ class Tree(Locked):
         shifts = np.array([_steiner(c) for c in self.com]).reshape(-1, 3, 3)
         about = self.inertia + self.mass[:, None, None] * shifts
         rows, columns = (0, 0, 1, 0, 1, 2), (0, 1, 1, 2, 2, 2)
-        first = self.mass[:, None] * self.com
-        return np.column_stack([self.mass, first, about[:, rows, columns], self.armature])
+        return np.column_stack([self.mass, self.mass[:, None] * self.com, about[:, rows, columns], self.armature])
 
     def with_point_mass(self, frame: FramePlacement, mass: float) -> Tree:
         """The tree with a point mass at the origin of a frame (parallel axis theorem).

@@ -24,6 +24,7 @@ from flexdyn.records.given import as_recording
 from flexdyn.records.suggestion import asked_back
 from flexdyn.simulation.electrical import firmware_by_joint, is_of_goals, with_asked_torque
 
+FirstState = Mapping[str, Mapping[str, float]]
 RECORDED: Interpolation = "monotone"
 """Default interpolation of a recorded reference: through its samples, never outside the range of two neighbours."""
 
@@ -44,7 +45,7 @@ class Drive:
 
     command: _core.Command
     duration: float | None
-    initial: Mapping[str, Mapping[str, float]]
+    initial: FirstState
     samples: Samples | None = None
     notes: tuple[str, ...] = ()
     controller: PD | Servo | Controller | None = None
@@ -87,9 +88,7 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
     return _open_loop(Samples([0.0, max(end, 1e-9)], np.array([torques, torques])), model, None, {})
 
 
-def _open_loop(
-    samples: Samples, model: FlexibleJointModel, duration: float | None, initial: Mapping[str, Mapping[str, float]]
-) -> Drive:
+def _open_loop(samples: Samples, model: FlexibleJointModel, duration: float | None, initial: FirstState) -> Drive:
     """Torques over time, shifted so that they start with the run."""
     whole = Samples(samples.t - samples.t[0], samples.columns(model.joint_names), samples.interpolation)
     return Drive(_core.open_loop(_signal(whole, model.joint_names)), duration, initial, whole)
@@ -192,7 +191,7 @@ def lower_wrenches(model: FlexibleJointModel, external: Iterable[Any], duration:
 def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
     names = model.joint_names
     reference, ahead = resolve_command(pd.reference), resolve_command(pd.feedforward)
-    initial: Mapping[str, Mapping[str, float]] = {}
+    initial: FirstState = {}
     notes: tuple[str, ...] = ()
     if isinstance(reference, Recording):
         initial = first_state(reference, model)
@@ -224,7 +223,7 @@ def _gaps(what: str, recording: Recording, done: str) -> tuple[str, ...]:
 
 def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
     reference = resolve_command(servo.reference)
-    initial: Mapping[str, Mapping[str, float]] = {}
+    initial: FirstState = {}
     if isinstance(reference, Recording):
         initial = first_state(reference, model)
         known = ("goal", "reference", "theta", "q")

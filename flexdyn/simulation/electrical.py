@@ -15,6 +15,7 @@ from flexdyn.errors import InputError
 from flexdyn.model.actuator import Actuator
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
+from flexdyn.records.signals.cut import with_channels
 from flexdyn.simulation.plant import acting_effects
 
 ASKED = ("voltage", "duty", "goal")
@@ -44,10 +45,7 @@ def with_asked_torque(model: FlexibleJointModel, recording: Recording) -> Record
         if joint.actuator is not None:
             volts = _volts(joint.actuator, recording, name)
             columns[f"tau.{name}"] = joint.actuator.per_volt(joint.gear_ratio) * volts
-    if not columns:
-        return recording
-    channels = {key: values for key, values in recording.items() if key != "t"}
-    return Recording(recording.t, channels | columns, meta=dict(recording.meta), name=recording.name)
+    return with_channels(recording, columns) if columns else recording
 
 
 def is_of_goals(model: FlexibleJointModel, recording: Recording) -> bool:

@@ -150,8 +150,7 @@ def ledger(run: Run) -> Energy:
     inputs, samples = run.inputs, run.inputs.samples
     command = _core.open_loop(None if samples is None else _core.signal(*samples.pieces(samples.values)))
     wrenches = lower_wrenches(run.model, inputs.external, inputs.duration)
-    settings = core_settings(run.solver)
-    job = _core.job(plant, command, wrenches, inputs.x0, inputs.duration, settings, run.t, out, sums)
+    job = _core.job(plant, command, wrenches, inputs.x0, inputs.duration, core_settings(run.solver), run.t, out, sums)
     report = _core.simulate(job, None)
     if report["reason"]:  # a law in Python that does not give the same torque again
         problem = f"the motion could not be integrated again for its energy: {report['reason']}"

@@ -51,8 +51,7 @@ def fastest_motion(model: FlexibleJointModel, x: Array, tau: Array, t: float = 0
         t: time [s].
     """
     true = model.resolved()
-    effects = tuple(acting_effects(true))
-    parts = _Parts(true, effects)
+    parts = _Parts(true, tuple(acting_effects(true)))
     J = parts.slopes(x, tau, t)
     if not np.isfinite(J).all():
         return None

@@ -25,9 +25,7 @@ def first_state(model: FlexibleJointModel, drive: Drive, given: Mapping[str, Any
     return np.array(_entries(model, drive, model.initial, checked, isinstance(given["theta"], str)))
 
 
-def first_states(
-    model: FlexibleJointModel, drive: Drive, initial: Columns, given: Mapping[str, Mapping[str, Any]], runs: int
-) -> Array:
+def first_states(model: FlexibleJointModel, drive: Drive, initial: Columns, given: Columns, runs: int) -> Array:
     """The first states of many runs (runs, 2 (n + e)) with e elastic joints, each as from `first_state`.
 
     Args:

@@ -21,6 +21,7 @@ from flexdyn.simulation.solver_choice import budget, core_settings
 from flexdyn.simulation.solvers import Solver
 
 Numbers = Mapping[Any, Mapping[str, Array]]
+Progress = Callable[[int], None] | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,9 +70,7 @@ class Variants:
             and all(any(effect is each for each in self._acting) and _is_plain(effect) for effect in effects)
         )
 
-    def simulate(
-        self, columns: VariantColumns, out: Mapping[str, Array], progress: Callable[[int], None] | None
-    ) -> Flags:
+    def simulate(self, columns: VariantColumns, out: Mapping[str, Array], progress: Progress) -> Flags:
         """Integrate the runs on this thread, without the interpreter's lock; each result equals that of `simulate`.
 
         Args:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -180,12 +180,18 @@ class LinkSide:
         return [np.ascontiguousarray(column) for column in columns]
 
 
+def with_payloads(robot: Robot, effects: Iterable[Effect]) -> Tree:
+    """The robot's tree with the payloads among these effects."""
+    tree = robot.tree
+    for effect in effects:
+        if isinstance(effect, Payload):
+            tree = tree.with_point_mass(robot.frame(robot.tip if effect.frame is None else effect.frame), effect.mass)
+    return tree
+
+
 @lru_cache(maxsize=16)
 def _loaded_tree(robot: Robot, payloads: tuple[Payload, ...], rigid_inertia: tuple[float, ...]) -> Tree:
-    tree = robot.tree
-    for payload in payloads:
-        frame = robot.tip if payload.frame is None else payload.frame
-        tree = tree.with_point_mass(robot.frame(frame), payload.mass)
+    tree = with_payloads(robot, payloads)
     for axis in robot.axes:
         tree = tree.with_rotor(robot.joint_index(axis), prismatic=robot.angle_unit(axis) == "m")
     if not any(rigid_inertia):

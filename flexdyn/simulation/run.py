@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.effects import SensorEffect, measure
+from flexdyn.effects.channels import by_channel, measure
 from flexdyn.errors import visible
 from flexdyn.io.locked import Locked
 from flexdyn.io.notebook import Public, card, table
@@ -139,7 +139,7 @@ class Run(Locked, Public):
         from flexdyn.model.model_file import model_to_dict
 
         channels, units = {}, {}
-        sensors = self._sensors()
+        sensors = by_channel(self.model.resolved().effects)
         for signal in SIGNALS:
             for j, joint in enumerate(self.joint_names):
                 channel = f"{signal}.{joint}"
@@ -171,14 +171,6 @@ class Run(Locked, Public):
         """
         dataset = self.to_recording().to_xarray()
         return self.energy.added_to(dataset) if energy else dataset
-
-    def _sensors(self) -> dict[str, list[SensorEffect]]:
-        """Sensor effects that are not neutral, by channel."""
-        found: dict[str, list[SensorEffect]] = {}
-        for effect in self.model.resolved().effects:
-            if isinstance(effect, SensorEffect) and not effect.is_neutral:
-                found.setdefault(effect.channel, []).append(effect)
-        return found
 
     def save(self, path: str | Path) -> None:
         """Write it as a recording; the suffix gives the format: .npz, .h5, .parquet, .mat; .csv drops model and solver.

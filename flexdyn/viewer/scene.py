@@ -57,8 +57,7 @@ def commands_of(moves: Sequence[NodeMove], rate: float) -> list[dict[str, Any]]:
         if len(values) > 1:
             if np.ptp(move.positions) == 0.0:
                 frames, values = [frames[0], frames[-1]], [values[0], values[-1]]
-            track = AnimationTrack(name, kind, frames, values)
-            animation.clips[place] = AnimationClip({name: track}, rate)
+            animation.clips[place] = AnimationClip({name: AnimationTrack(name, kind, frames, values)}, rate)
     return commands + ([SetAnimation(animation, play=False).lower()] if animation.clips else [])
 
 
@@ -165,14 +164,9 @@ class ArmScene:
             for j in range(tree.m)
         ]
 
-    def animate(self, moves: Sequence[NodeMove], rate: float) -> None:
-        """Put every node at its first position, and load the animation."""
-        self.commands.extend(commands_of(moves, rate))
-
     def _flat(self, path: str, part: DialShape) -> None:
         flat = {"transparent": True, "depthTest": False, "depthWrite": False}
-        material = _painted(part.color, opacity=part.opacity, **flat)
-        self._view[path].set_object(part.geometry, material)
+        self._view[path].set_object(part.geometry, _painted(part.color, opacity=part.opacity, **flat))
         # meshcat cannot set the drawing order; three.js can.
         self.commands[-1]["object"]["object"]["renderOrder"] = part.order
 

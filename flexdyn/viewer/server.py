@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler
-from socketserver import TCPServer, ThreadingMixIn
+from socketserver import ThreadingTCPServer
 from typing import Any
 
 HOST = "127.0.0.1"
@@ -23,7 +23,7 @@ class PageServer:
 
     def __init__(self, page: str) -> None:
         self._server = _Server((HOST, 0), _handler(page.encode()))
-        self.url = f"http://{HOST}:{self._server.port}/"
+        self.url = f"http://{HOST}:{self._server.server_address[1]}/"
         self._thread = threading.Thread(target=self._server.serve_forever, name="flexdyn viewer", daemon=True)
         self._thread.start()
 
@@ -34,15 +34,10 @@ class PageServer:
         self._thread.join()
 
 
-class _Server(ThreadingMixIn, TCPServer):
+class _Server(ThreadingTCPServer):
     """The server; HTTPServer would ask a name server for the name of the address, TCPServer does not."""
 
     daemon_threads = True
-
-    @property
-    def port(self) -> int:
-        """That it listens on."""
-        return int(self.socket.getsockname()[1])
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Ignore the error of a browser that closed the connection."""

@@ -15,7 +15,7 @@ from flexdyn.viewer.bodies import bodies_of
 from flexdyn.viewer.layout import Extent, arm_size, extent
 from flexdyn.viewer.motion import Frames, PlayedMotion, checked_factor, frames_of, magnification
 from flexdyn.viewer.page import floats, page
-from flexdyn.viewer.scene import ARM, BLUE, GHOST, SILVER, VIOLET, ArmScene, NodeMove
+from flexdyn.viewer.scene import ARM, BLUE, GHOST, SILVER, VIOLET, ArmScene, NodeMove, commands_of
 from flexdyn.viewer.solids import NEEDLE
 
 COLUMNS = {"q": "q", "deflection": "\u03b8 \u2212 q", "difference": "\u0394q"}
@@ -161,7 +161,7 @@ def show(
     for name, points, color in zip(("trace", "ghost_trace"), tips, (BLUE, VIOLET), strict=False):
         scene.add_trace(name, points, color)
     dialled = [j for j in range(model.n) if _known(motion, j)]
-    scene.animate(_moves(model, frames, dialled, factors, scene), frames.rate)
+    scene.commands.extend(commands_of(_moves(model, frames, dialled, factors, scene), frames.rate))
     about = about_it(model, frames, size, extent(robot, frames.everywhere, bodies), tips)
     about |= legend(frames, frame, factors, scene.dials)
     samples = len(motion.t)

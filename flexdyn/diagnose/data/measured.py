@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
-from flexdyn.errors import InputError, did_you_mean
+from flexdyn.checks import check_known
+from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.signals.decimate import CLOCK_JITTER
@@ -86,9 +87,7 @@ def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
 
 def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:
     for joint in recording.joints:
-        if joint not in model.joint_names:
-            problem = "the recording has a joint that the model lacks"
-            raise InputError(problem, key=joint, remedy=did_you_mean(joint, model.joint_names))
+        check_known(joint, model.joint_names, "the recording has a joint that the model lacks", key=joint)
     for joint in model.joint_names:
         if not recording.has("tau", joint):
             remedy = f"record the commanded torque as tau.{joint}, or lock the joint in the model"

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import SIGNALS, Measured
-from flexdyn.effects import ChannelLag, SensorEffect, recovered
+from flexdyn.effects import SensorEffect
+from flexdyn.effects.channels import by_channel, lag, recovered
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 SPARE_SAMPLES = 16
@@ -18,24 +19,21 @@ SPARE_SAMPLES = 16
 
 def corrected(data: Measured, model: FlexibleJointModel) -> Measured:
     """The true channels, if the model's sensor effects are right."""
-    effects = [e for e in model.effects if isinstance(e, SensorEffect) and not e.is_neutral]
-    if not effects:
+    sensors = by_channel(model.effects)
+    if not sensors:
         return data
     columns = {signal: getattr(data, signal).copy() for signal in SIGNALS}
-    for channel in {e.channel for e in effects}:
+    for channel, effects in sensors.items():
         signal, _, joint = channel.partition(".")
         if signal in columns:
             j = model.index(joint)
-            acting = [e for e in effects if e.channel == channel]
-            columns[signal][:, j] = true_channel(acting, columns[signal][:, j], data)
+            columns[signal][:, j] = true_channel(effects, columns[signal][:, j], data)
     return dataclasses.replace(data, **columns)
 
 
-def true_channel(effects: Iterable[SensorEffect], measured: Array, data: Measured) -> Array:
+def true_channel(effects: Sequence[SensorEffect], measured: Array, data: Measured) -> Array:
     """The channel that these effects make the measured one of; the lag is undone last, by cubic interpolation."""
-    effects = list(effects)
-    x = recovered(effects, measured, data.t)
-    delay = sum(e.delay for e in effects if isinstance(e, ChannelLag))
+    x, delay = recovered(effects, measured, data.t), lag(effects)
     return advanced(x, delay, data.dt) if delay else x
 
 

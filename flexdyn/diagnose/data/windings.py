@@ -6,7 +6,6 @@ the voltage that would give the same current at once: ``R i + k omega``.
 
 from __future__ import annotations
 
-import dataclasses
 import math
 
 import numpy as np
@@ -16,6 +15,7 @@ from flexdyn.errors import InputError
 from flexdyn.model.actuator import Actuator
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
+from flexdyn.records.signals.cut import with_channels
 
 
 def without_inductance(model: FlexibleJointModel) -> FlexibleJointModel:
@@ -24,7 +24,7 @@ def without_inductance(model: FlexibleJointModel) -> FlexibleJointModel:
     What `with_lagging_current` makes of a recording is cut at the supply already: these motors have none.
     """
     changed = {
-        name: {"actuator": _changed(actuator, inductance=0.0, supply=math.inf)}
+        name: {"actuator": actuator.changed(inductance=0.0, supply=math.inf)}
         for name, actuator in _windings(model).items()
     }
     return model.replace(joints=changed) if changed else model
@@ -36,7 +36,7 @@ def with_inductance(model: FlexibleJointModel, given: FlexibleJointModel) -> Fle
     for name, actuator in _windings(given).items():
         motor, now = actuator.dc_motor, model.joints[name].actuator
         if now is not None:
-            changed[name] = {"actuator": _changed(now, inductance=motor.inductance, supply=motor.supply)}
+            changed[name] = {"actuator": now.changed(inductance=motor.inductance, supply=motor.supply)}
     return model.replace(joints=changed) if changed else model
 
 
@@ -65,10 +65,7 @@ def with_lagging_current(model: FlexibleJointModel, recording: Recording) -> Rec
         columns[f"tau.{name}"] = _asked(
             actuator, model.joints[name].gear_ratio, recording[f"tau.{name}"], np.diff(x) / dt, dt
         )
-    if not columns:
-        return recording
-    channels = {key: values for key, values in recording.items() if key != "t"}
-    return Recording(recording.t, channels | columns, meta=dict(recording.meta), name=recording.name)
+    return with_channels(recording, columns) if columns else recording
 
 
 def _asked(actuator: Actuator, ratio: float, tau: Array, omega: Array, dt: Array) -> Array:
@@ -92,8 +89,3 @@ def _windings(model: FlexibleJointModel) -> dict[str, Actuator]:
     """Actuators of the motors with inductance, by joint."""
     drives = {name: joint.actuator for name, joint in model.joints.items()}
     return {name: each for name, each in drives.items() if each is not None and each.dc_motor.inductance > 0.0}
-
-
-def _changed(actuator: Actuator, **numbers: float) -> Actuator:
-    """A copy with other numbers of its motor."""
-    return dataclasses.replace(actuator, dc_motor=dataclasses.replace(actuator.dc_motor, **numbers))

@@ -16,7 +16,7 @@ from flexdyn.diagnose.decision.forces import are_prescribed, loops
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.notes import notes, statistics, stopped
-from flexdyn.diagnose.decision.split import DataPart
+from flexdyn.diagnose.decision.split import DataPart, Parts
 from flexdyn.diagnose.decision.suspects import considered, structures
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
 from flexdyn.diagnose.equations.covariance import SampleNoise
@@ -30,17 +30,10 @@ from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import Simulated, reweighed, share_in_windows, unlike_noise
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Parts = tuple[tuple[DataPart, ...], tuple[DataPart, ...]]
 WORSE = "on the data of the fit the corrected model is worse than the model as it was given"
 
 
-def concluded(
-    plain: Workspace,
-    start: Hypothesis,
-    compared: Posterior,
-    found: Corrected,
-    parts: Parts,
-) -> Diagnosis:
+def concluded(plain: Workspace, start: Hypothesis, compared: Posterior, found: Corrected, parts: Parts) -> Diagnosis:
     """The answer.
 
     Args:
@@ -57,17 +50,11 @@ def concluded(
     noise = leaves_noise(compared.fitted, plain)
     if windows is not None and (noise or first.farther):
         tell("comparing simulated windows", 0.75)
-        all_named = {c for c, _ in compared.best} <= {each.candidate for each in found.names}
-        by_windows = (
-            reweighed(compared, windows, lambda made: leaves_noise(made, plain), all_named=all_named) if noise else None
-        )
-        # Windows and equations are likelihoods of the same data. A structure that either of them rejects is wrong.
-        accepted = by_windows is not None and leaves_noise(by_windows.fitted, plain)
-        compared = by_windows if by_windows is not None and accepted else compared
-        again = corrected(
-            compared, plain, functools.partial(share_in_windows, Simulated(compared, windows)), rejected=not accepted
-        )
-        found, named, first = _on_fit(plain, made, again, parts[0], rejected=not accepted)
+        by_windows = _by_windows(plain, compared, found, windows) if noise else None
+        compared, rejected = compared if by_windows is None else by_windows, by_windows is None
+        share = functools.partial(share_in_windows, Simulated(compared, windows))
+        again = corrected(compared, plain, share, rejected=rejected)
+        found, named, first = _on_fit(plain, made, again, parts[0], rejected=rejected)
     tell("opening the test data", 0.85)
     last = on_test(plain, first, found, named, parts[1])
     converged = found.converged and first.stalled is None
@@ -95,6 +82,16 @@ def concluded(
         no_model=WORSE if first.worse else "",
         stopped=() if converged else stopped(first.stalled or found.fitted),
     )
+
+
+def _by_windows(plain: Workspace, compared: Posterior, found: Corrected, windows: Windows) -> Posterior | None:
+    """The posterior that simulated windows give too; None if the equations reject what they find most probable.
+
+    Windows and equations are likelihoods of the same data. A structure that either of them rejects is wrong.
+    """
+    all_named = {c for c, _ in compared.best} <= {each.candidate for each in found.names}
+    other = reweighed(compared, windows, lambda made: leaves_noise(made, plain), all_named=all_named)
+    return other if other is not None and leaves_noise(other.fitted, plain) else None
 
 
 def _on_fit(

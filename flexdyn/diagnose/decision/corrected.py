@@ -7,8 +7,6 @@ import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from flexdyn.diagnose.decision.calibrated import within
@@ -29,7 +27,6 @@ from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.report.suspects import ESTABLISHED
 from flexdyn.effects import Effect, JointEffect
 
-Array = NDArray[np.float64]
 Share = Callable[[int], float]
 PROMISED_SHARE, PROMISED_DROP = 0.005, 10.0
 """A fit has not converged if its next step would decrease chi^2 by more than this share and by more than this amount:
@@ -116,8 +113,7 @@ def corrected(
     masses = _masses(found)
     best = frozenset(c for c, _ in found.best)
     there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
-    share = shares(space, found.best)
-    own = _genuine(found, share)
+    own = _genuine(found, shares(space, found.best))
     may = functools.partial(_may_stand_in, space, masses)
     sure = [each.candidate for each in names(masses, best, None, there, may) if each.established]
     simulated = {c: simulated_share(c) for c in sure} if simulated_share else {}

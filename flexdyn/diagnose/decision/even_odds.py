@@ -48,8 +48,7 @@ def told_by_data(
         held = [c for c in _held_down(space, masses, even, best, name) if c not in name.rivals and stands_in(c)]
         held += _either_of_two(space, even, best, name, [each.candidate for each in named])
         together = masses.of_any([name.candidate, *name.rivals, *held])
-        alone = masses.of_any([name.candidate, *name.rivals])
-        probability = name.probability * together / alone
+        probability = name.probability * together / masses.of_any([name.candidate, *name.rivals])
         found.append(replace(name, rivals=(*name.rivals, *held), probability=probability, held_down=tuple(held)))
     return tuple(sorted(found, key=lambda each: each.candidate))
 

@@ -59,21 +59,16 @@ class Shots:
 
     def position(self, joint: str) -> tuple[float, ...]:
         """Error of a joint's measured positions, root mean square, of the three models."""
-        own = self._own(joint)
-        return tuple(rms(shot.residual[:, :, own][shot.used[:, :, own]]) for shot in self._models)
+        return self._rms("residual", joint)
 
     def scaled(self, joint: str) -> tuple[float, ...]:
         """The same in units of what noise alone makes there [1]."""
-        own = self._own(joint)
-        return tuple(rms(shot.scaled[:, :, own][shot.used[:, :, own]]) for shot in self._models)
+        return self._rms("scaled", joint)
 
-    @property
-    def _models(self) -> tuple[Shot, Shot, Shot]:
-        return self.before, self.calibrated, self.after
-
-    def _own(self, joint: str) -> list[int]:
-        """Channels of a joint."""
-        return [k for k, name in enumerate(self.after.windows.channels) if name.partition(".")[2] == joint]
+    def _rms(self, errors: str, joint: str) -> tuple[float, ...]:
+        own = [k for k, name in enumerate(self.after.windows.channels) if name.partition(".")[2] == joint]
+        models = (self.before, self.calibrated, self.after)
+        return tuple(rms(getattr(shot, errors)[:, :, own][shot.used[:, :, own]]) for shot in models)
 
 
 def nearer(before: Array, after: Array) -> bool:

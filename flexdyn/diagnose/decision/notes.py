@@ -78,8 +78,7 @@ def _of_torques(found: Corrected) -> Iterator[str]:
 
 
 def _of_channels(compared: Posterior) -> Iterator[str]:
-    equations = compared.space.library.equations
-    data, model = equations.data[0], compared.fitted.hypothesis.given
+    data, model = compared.space.library.equations.data[0], compared.fitted.hypothesis.given
     for j, joint in enumerate(model.joint_names):
         if model.elastic[j] and not data.has_q[j]:
             yield f"{joint} has no link encoder: only its spring separates friction on link and motor."

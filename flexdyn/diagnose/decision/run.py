@@ -8,17 +8,17 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
+from flexdyn.checks import check_known
 from flexdyn.diagnose.data.rate import advice, at_needed_rates
 from flexdyn.diagnose.data.windings import with_inductance, with_lagging_current, without_inductance
 from flexdyn.diagnose.decision.background import Progress, beside, shown
-from flexdyn.diagnose.decision.split import checked_blocks, parts, without_blocks
+from flexdyn.diagnose.decision.split import Recordings, checked_blocks, parts, without_blocks
 from flexdyn.diagnose.equations.sanity import check_recordings
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
 from flexdyn.diagnose.hypothesis.workspace import prepared, recorded_noise, weighed
 from flexdyn.diagnose.progress import STAGES, Course, know, tell
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
 from flexdyn.effects import registered
-from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.given import as_recordings
@@ -71,21 +71,13 @@ def diagnose(
         >>> [(finding.suspect.effect, finding.suspect.joint) for finding in answer.findings]
         [('coulomb_friction', 'elbow')]
     """
-    fit, check = (as_recordings(given, key) for given, key in ((fit, "fit"), (check, "check")))
-    if blocks := checked_blocks(hold_out):
-        fit, apart = without_blocks(fit, blocks)
-        check = (*check, *apart)
-    fit, check = apart_at_gaps(fit), apart_at_gaps(check)
-    fit, said = at_needed_rates(fit)
-    check, more = at_needed_rates(check)
-    said = tuple(dict.fromkeys((*said, *more)))
+    fit, check, said = _recordings(fit, check, hold_out)
     # Here, as `import flexdyn` loads no scipy; only what is loaded can be limited, so that is first.
     import scipy.linalg  # noqa: F401
     from threadpoolctl import threadpool_limits
 
     model, course = with_guesses(model), Course()
-    # The number of threads of the linear algebra changes the rounding of sums: the last digit of every figure, and a
-    # choice between equally likely structures, would depend on the machine.
+    # The number of threads changes the rounding of sums: figures, and close choices, would depend on the machine.
     expected = _in_catalogue(expect)
     with threadpool_limits(limits=1, user_api="blas"), shown(progress) as show:
         began = time.monotonic()
@@ -96,6 +88,17 @@ def diagnose(
             raise Interrupted(_known(model, course, began)) from None
 
 
+def _recordings(fit: Any, check: Any, hold_out: Any) -> tuple[Recordings, Recordings, tuple[str, ...]]:
+    """The pieces to be fitted and the test data, at the rates that are needed, and what was done to them."""
+    fit, check = (as_recordings(given, key) for given, key in ((fit, "fit"), (check, "check")))
+    if blocks := checked_blocks(hold_out):
+        fit, apart = without_blocks(fit, blocks)
+        check = (*check, *apart)
+    fit, said = at_needed_rates(apart_at_gaps(fit))
+    check, more = at_needed_rates(apart_at_gaps(check))
+    return fit, check, tuple(dict.fromkeys((*said, *more)))
+
+
 def _in_catalogue(expect: Sequence[str]) -> tuple[str, ...]:
     """Names of effects, each in the catalogue or the user's own.
 
@@ -103,9 +106,7 @@ def _in_catalogue(expect: Sequence[str]) -> tuple[str, ...]:
         InputError: one is not.
     """
     for name in expect:
-        if name not in registered():
-            remedy = did_you_mean(name, registered())
-            raise InputError("there is no such effect", key="expect", value=name, remedy=remedy)
+        check_known(name, registered(), "there is no such effect", key="expect", value=name)
     return tuple(expect)
 
 

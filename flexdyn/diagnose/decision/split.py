@@ -20,6 +20,7 @@ from flexdyn.diagnose.report.measures import RecordingSpan, Role
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, RecordingWarning
+from flexdyn.records.signals.cut import rows_of
 
 TEST_SHARE = 0.2
 """Share of the moving part of every recording that is test data if none are given [1] (contract, section 8)."""
@@ -38,6 +39,7 @@ about a hundred samples, noise alone has a range of five or six.
 SHORTEST_BLOCK = 1.0
 """Least length of a block, and of a piece between blocks [s]: two windows of 0.5 s."""
 Block = tuple[float, float]
+Recordings = tuple[Recording, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,9 +77,10 @@ class DataPart:
         )
 
 
-def parts(
-    model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[Recording] = ()
-) -> tuple[tuple[DataPart, ...], tuple[DataPart, ...]]:
+Parts = tuple[tuple[DataPart, ...], tuple[DataPart, ...]]
+
+
+def parts(model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[Recording] = ()) -> Parts:
     """What is fitted, and the test data.
 
     Args:
@@ -98,7 +101,7 @@ def parts(
     return tuple(first for first, _ in halves), tuple(last for _, last in halves)
 
 
-def _apart(whole: Sequence[tuple[Recording, Measured]]) -> tuple[tuple[DataPart, ...], tuple[DataPart, ...]]:
+def _apart(whole: Sequence[tuple[Recording, Measured]]) -> Parts:
     """Recordings too short to be cut: the last ones are test data as they are, until these hold the test share."""
     seconds = [float(moving(data).sum()) * data.dt for _, data in whole]
     first = len(whole) - 1
@@ -113,13 +116,8 @@ def _halves(recording: Recording, data: Measured) -> tuple[DataPart, DataPart]:
     """A recording before and after the instant from which the test share of what moves lies."""
     at = _cut(data)
     row = int(np.searchsorted(recording.t, recording.t[0] + data.t[at] - 0.5 * data.dt))
-    first = DataPart(_rows(recording, slice(0, row)), data.part(0, at), "fit")
-    return first, DataPart(_rows(recording, slice(row, None)), data.part(at, len(data.t)), "test")
-
-
-def _rows(recording: Recording, rows: slice) -> Recording:
-    channels = {name: values[rows] for name, values in recording.channels.items()}
-    return Recording(recording.t[rows], channels, meta=recording.meta, name=recording.name)
+    first = DataPart(rows_of(recording, 0, row), data.part(0, at), "fit")
+    return first, DataPart(rows_of(recording, row, len(recording)), data.part(at, len(data.t)), "test")
 
 
 def _cut(data: Measured) -> int:
@@ -167,9 +165,7 @@ def checked_blocks(given: Any) -> tuple[Block, ...]:
     return tuple(found)
 
 
-def without_blocks(
-    recordings: Sequence[Recording], blocks: Sequence[Block]
-) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
+def without_blocks(recordings: Sequence[Recording], blocks: Sequence[Block]) -> tuple[Recordings, Recordings]:
     """What is outside the blocks of each recording, in pieces, and what is inside.
 
     Args:
@@ -195,7 +191,7 @@ def without_blocks(
             if length < SHORTEST_BLOCK - 2.0 * rec.duration / len(rec):
                 if k < 0:
                     problem = f"{length:.3g} s from t = {rec.t[low]:.6g} s on are too short to fit"
-                    warnings.warn(f"{rec.name}: {problem} and left out", RecordingWarning, stacklevel=3)
+                    warnings.warn(f"{rec.name}: {problem} and left out", RecordingWarning, stacklevel=4)
                 continue
             (inside if k >= 0 else rest).append(rec.trim(float(rec.t[low]), float(rec.t[high - 1])))
             met.add(k)

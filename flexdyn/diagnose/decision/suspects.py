@@ -10,10 +10,10 @@ from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.report.suspects import Considered, Number, Structure, Suspect
-from flexdyn.effects import Effect, unit_for
+from flexdyn.effects import Effect
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.resolved_parameters import OF_MOTOR
+from flexdyn.model.resolved_parameters import OF_MOTOR, units_of
 
 PLACES = ("channel", "other", "frame", "of", "parameter")
 SIDES = dict.fromkeys(("rotor_inertia", *OF_MOTOR), "motor") | dict.fromkeys(("stiffness", "damping"), "transmission")
@@ -62,16 +62,9 @@ def numbers_of(
         effect: whose.
         std: standard deviations of those that were estimated, others were chosen; None: they are not known.
     """
-    joint = getattr(effect, "joint", None)
-    prismatic = joint is not None and model.robot.angle_unit(joint) == "m"
-    return {
-        entry.name: Number(
-            float(getattr(effect, entry.name)),
-            math.nan if std is None else std.get((effect, entry.name), 0.0),
-            unit_for(str(entry.metadata["unit"]), prismatic=prismatic),
-        )
-        for entry in effect.parameters()
-    }
+    units = units_of(model.robot, effect, getattr(effect, "joint", None))
+    spread = {name: math.nan if std is None else std.get((effect, name), 0.0) for name in units}
+    return {name: Number(float(getattr(effect, name)), spread[name], unit) for name, unit in units.items()}
 
 
 def considered(model: FlexibleJointModel, space: Space, masses: Masses) -> tuple[Considered, ...]:

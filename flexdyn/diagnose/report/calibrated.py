@@ -6,10 +6,9 @@ import math
 
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.suspects import Number
-from flexdyn.effects import unit_for
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.resolved_parameters import OF_MOTOR
+from flexdyn.model.resolved_parameters import OF_MOTOR, units_of
 
 LIMIT = 3.0
 """Tolerances by which a number may move and be calibrated (contract, section 8)."""
@@ -52,11 +51,9 @@ def _number_of(model: FlexibleJointModel, of: str, parameter: str) -> tuple[floa
     place = effect_place(of)
     if place is not None and place < len(model.effects):
         effect = model.effects[place]
-        joint = getattr(effect, "joint", None)
-        slides = joint is not None and model.robot.angle_unit(joint) == "m"
-        for entry in effect.parameters():
-            if entry.name == parameter:
-                return float(getattr(effect, parameter)), unit_for(str(entry.metadata["unit"]), prismatic=slides)
+        units = units_of(model.robot, effect, getattr(effect, "joint", None))
+        if parameter in units:
+            return float(getattr(effect, parameter)), units[parameter]
     if of in model.joint_names and parameter in UNITS:
         joint = model.joints[of]
         holder = joint.actuator.dc_motor if parameter in OF_MOTOR and joint.actuator is not None else joint

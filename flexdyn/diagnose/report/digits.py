@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
+from flexdyn.diagnose.report.measures import SignalError
 from flexdyn.diagnose.report.suspects import Number
 
 UNCHANGED = 1e-3
@@ -96,6 +97,11 @@ def rounded(value: float, digits: int = 3) -> str:
     if not math.isfinite(value):
         return _not_finite(value)
     return signed(f"{value:#.{digits}g}".rstrip(".")) if value else "0"
+
+
+def errors_text(error: SignalError) -> str:
+    """The errors of two models, as given and corrected, with their unit."""
+    return f"{rounded(error.before)}, {rounded(error.after)} {error.unit}"
 
 
 def value_text(value: float, std: float) -> str:

@@ -6,6 +6,7 @@ import dataclasses
 import math
 from typing import Any
 
+from flexdyn.checks import check_known
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import told
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Suspect, ranks
@@ -105,8 +106,7 @@ def check_target(model: FlexibleJointModel, target: str) -> None:
         InputError: it can mean nothing; the remedy names the near miss.
     """
     effect, at, where = target.partition("@")
-    if effect not in catalogue():
-        raise InputError("no such effect", key=KEY, value=effect, remedy=did_you_mean(effect, catalogue()))
+    check_known(effect, catalogue(), "no such effect", key=KEY, value=effect)
     if not at or effect == "parameter_error":
         return
     places = list(model.joint_names)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from flexdyn.diagnose.report.digits import estimates, percent, probability_text, rounded
+from flexdyn.diagnose.report.digits import errors_text, estimates, percent, probability_text
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import gap_sentence, verdict_sentence
 from flexdyn.diagnose.report.words import effect_name, where_phrase
@@ -16,20 +16,11 @@ from flexdyn.io.notebook import card, table
 def diagnosis_html(diagnosis: Diagnosis) -> str:
     """The HTML."""
     findings = table(("finding", "where", "numbers", "probability", "of the test gap"), _findings(diagnosis))
-    errors = table(
-        ("joint", "torque error: given, corrected", "position error: given, corrected"),
-        (
-            (
-                joint,
-                f"{rounded(each.torque.before)}, {rounded(each.torque.after)} {each.torque.unit}",
-                f"{rounded(each.position.before)}, {rounded(each.position.after)} {each.position.unit}",
-            )
-            for joint, each in diagnosis.errors.items()
-        ),
-    )
+    heads = ("joint", "torque error: given, corrected", "position error: given, corrected")
+    off = ((joint, errors_text(each.torque), errors_text(each.position)) for joint, each in diagnosis.errors.items())
     notes = (*diagnosis.notes, "diagnosis.save(folder) writes report.html, report.json and model.yaml")
     facts = {"verdict": diagnosis.verdict, "gap": gap_sentence(diagnosis)}
-    return card(verdict_sentence(diagnosis), facts, findings, errors, notes=notes)
+    return card(verdict_sentence(diagnosis), facts, findings, table(heads, off), notes=notes)
 
 
 def diagnosis_line(diagnosis: Diagnosis) -> str:

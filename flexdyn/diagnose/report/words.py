@@ -158,8 +158,7 @@ def channel_unit(model: FlexibleJointModel, channel: str) -> str:
 
 def noise_lines(model: FlexibleJointModel, span: RecordingSpan) -> list[str]:
     """The noise of each channel with its unit."""
-    given = span.noise.items()
-    return [f"{name} {rounded(level, 2)} {channel_unit(model, name)}".strip() for name, level in given]
+    return [f"{name} {rounded(level, 2)} {channel_unit(model, name)}".strip() for name, level in span.noise.items()]
 
 
 def _own(suspect: Suspect, told: bool) -> str:

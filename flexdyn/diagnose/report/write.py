@@ -13,7 +13,7 @@ from flexdyn.diagnose.report.document import report_json
 from flexdyn.diagnose.report.page import page
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.effects import Effect, ParameterError
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, printable
 from flexdyn.io.files import replacing
 from flexdyn.io.yaml import dump_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -89,8 +89,7 @@ def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:
     of_urdf = [effect for effect in model.effects if _is_of_urdf(effect)]
     true = model.replace(effects=_without(model, of_urdf)).resolved()
     kept = [effect for effect in true.effects if not isinstance(effect, ParameterError)]
-    tolerance = _tolerance(model)
-    content = model_to_dict(true.replace(effects=kept, tolerance=tolerance), folder)
+    content = model_to_dict(true.replace(effects=kept, tolerance=_tolerance(model)), folder)
     if links:
         content["links"] = links
     files = {}
@@ -102,8 +101,7 @@ def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:
             content["robot"]["urdf"] = name
         except InputError:
             content["effects"] += [effect.to_dict() for effect in wrong]
-    title = "".join(letter if letter.isprintable() else " " for letter in model.name)
-    return {MODEL: HEAD.format(title) + dump_yaml(content), **files}
+    return {MODEL: HEAD.format(printable(model.name)) + dump_yaml(content), **files}
 
 
 def _links_folded(model: FlexibleJointModel) -> tuple[FlexibleJointModel, dict[str, Any]]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.effects import SensorEffect, measure
+from flexdyn.effects import SensorEffect
+from flexdyn.effects.channels import by_channel, instant, lag, recovered
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 
@@ -17,18 +17,13 @@ Law = Callable[[Sequence[SensorEffect], Array, Array], Array]
 
 def sensors(model: FlexibleJointModel, channel: str) -> tuple[SensorEffect, ...]:
     """The effects of a model on a channel that are not neutral."""
-    effects = (effect for effect in model.resolved().effects if isinstance(effect, SensorEffect))
-    return tuple(effect for effect in effects if effect.channel == channel and not effect.is_neutral)
+    return tuple(by_channel(model.resolved().effects).get(channel, ()))
 
 
-def lag(effects: Sequence[SensorEffect]) -> float:
-    """The lag of a channel [s]."""
-    return math.fsum(effect.lateness for effect in effects)
-
-
-def seen(effects: Sequence[SensorEffect], x: Array, t: Array) -> Array:
-    """A simulated channel as the sensor reports it, without its lag (see `early`)."""
-    return measure([effect for effect in effects if not effect.lateness], x, t)
+def true_samples(model: FlexibleJointModel, recording: Recording, channel: str) -> tuple[Array, Array]:
+    """What a recorded channel measures: times without its lag [s], and values without its sensor effects."""
+    effects = sensors(model, channel)
+    return recording.t - lag(effects), recovered(effects, recording[channel], recording.t)
 
 
 def early(recording: Recording, channel: str, late: float, t: Array) -> Array:
@@ -46,15 +41,8 @@ def early(recording: Recording, channel: str, late: float, t: Array) -> Array:
     return np.where(when <= recording.t[-1], CubicSpline(recording.t, recording[channel])(when), np.nan)
 
 
-def slope(effects: Sequence[SensorEffect], x: Array, t: Array) -> Array:
-    """Derivative of a reported channel by the true one, without its lag [1]."""
-    instant = [effect for effect in effects if not effect.lateness]
-    step = 1e-6
-    return (measure(instant, x + step, t) - measure(instant, x - step, t)) / (2.0 * step)
-
-
 def of_windows(law: Law, effects: Sequence[SensorEffect], x: Array, t: Array) -> Array:
-    """Evaluate a law of samples, such as `seen` or `slope`, over independent windows.
+    """Evaluate a law of samples, `measure` or its `slope`, over independent windows, without the lag (see `early`).
 
     Args:
         law: of effects, samples and times.
@@ -62,6 +50,7 @@ def of_windows(law: Law, effects: Sequence[SensorEffect], x: Array, t: Array) ->
         x: of all windows (windows, samples).
         t: their times, likewise [s].
     """
+    effects = instant(effects)
     if all(type(effect).measured is SensorEffect.measured for effect in effects):  # every sample by itself
         return law(effects, x.ravel(), t.ravel()).reshape(x.shape)
     return np.stack([law(effects, *each) for each in zip(x, t, strict=True)])

@@ -16,9 +16,10 @@ from flexdyn.analysis.analysed_model import command_delays, without
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import check
-from flexdyn.diagnose.shooting.sensing import early, lag, of_windows, seen, sensors
+from flexdyn.diagnose.shooting.sensing import early, of_windows, sensors
 from flexdyn.diagnose.shooting.windows import PerWindow, Windows
-from flexdyn.effects import MemoryEffect, recovered
+from flexdyn.effects import MemoryEffect
+from flexdyn.effects.channels import lag, measure, recovered
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.at_time import at_time, is_timed
 from flexdyn.simulation.inputs_and_signals import SIGNALS
@@ -177,7 +178,7 @@ class Shooter:
             table[:, :, k] = getattr(motion, signal)[:, :, self.model.index(joint)]
             effects = sensors(self.model, name)
             if effects:
-                table[:, :, k] = of_windows(seen, effects, table[:, :, k], windows.t)
+                table[:, :, k] = of_windows(measure, effects, table[:, :, k], windows.t)
         return table
 
     def _solver(self, x0: Array, tight: float) -> Solver:

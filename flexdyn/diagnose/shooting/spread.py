@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from flexdyn.analysis.jacobian import dry_velocities
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.abreast import abreast
-from flexdyn.diagnose.shooting.sensing import of_windows, sensors, slope
+from flexdyn.diagnose.shooting.sensing import of_windows, sensors
 from flexdyn.diagnose.shooting.shooter import Shooter, SimulatedWindows
 from flexdyn.diagnose.shooting.windows import PerWindow, Windows
+from flexdyn.effects.channels import slope
 
 Indices = NDArray[np.int64]
 GAINS_EVERY = 5

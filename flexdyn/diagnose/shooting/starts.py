@@ -14,9 +14,9 @@ from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.data.sensors import corrected
 from flexdyn.diagnose.equations.motion import smoothed
-from flexdyn.diagnose.shooting.sensing import lag, sensors
+from flexdyn.diagnose.shooting.sensing import true_samples
 from flexdyn.diagnose.shooting.shooter import Shooter
-from flexdyn.effects import DeflectionEffect, recovered
+from flexdyn.effects import DeflectionEffect
 from flexdyn.simulation.plant import LinkSide
 
 REACHES = (0.04, 0.02, 0.01, 0.005)
@@ -109,14 +109,14 @@ def _shifted(x: Array, place: int, by: Array) -> Array:
 
 def _around(shooter: Shooter, name: str) -> Array:
     """One channel at every start (windows, 6): value, two derivatives, errors of value and rate, whether it rests."""
-    windows, effects = shooter.windows, sensors(shooter.model, name)
-    noise, late = windows.sensor_noise[windows.channels.index(name)], lag(effects)
+    windows = shooter.windows
+    noise = windows.sensor_noise[windows.channels.index(name)]
     table = np.tile(UNMEASURED, (len(windows), 1))
     for k, recording in enumerate(windows.recordings):
         mine = windows.places[:, 0] == k
         if mine.any() and name in recording:
-            rows, x = windows.places[mine, 1], recovered(effects, np.asarray(recording[name]), recording.t)
-            table[mine] = _cubics(recording.t - late, x, recording.t[rows], rows, noise, windows.period)
+            rows, (t, x) = windows.places[mine, 1], true_samples(shooter.model, recording, name)
+            table[mine] = _cubics(t, x, recording.t[rows], rows, noise, windows.period)
     return table
 
 
@@ -140,8 +140,7 @@ def _cubics(t: Array, x: Array, at: Array, rows: NDArray[np.int64], noise: float
         first = y[:, half]
         fit = (inverse @ (basis.transpose(0, 2, 1) @ (weight * (y - first[:, None]))[:, :, None]))[:, :, 0]
         left = weight * (y - first[:, None]) - (basis @ fit[:, :, None])[:, :, 0]
-        free = np.maximum(weight.sum(1) - 4, 1.0)
-        size = np.sqrt((left**2).sum(1) / free)
+        size = np.sqrt((left**2).sum(1) / np.maximum(weight.sum(1) - 4, 1.0))
         scale = 1.0 / (half * period)
         error = np.maximum(size, noise)
         value_std, rate_std = (error * np.sqrt(inverse[:, i, i]) for i in (0, 1))
@@ -158,8 +157,7 @@ def _cubics(t: Array, x: Array, at: Array, rows: NDArray[np.int64], noise: float
 
 
 def _resting(x: Array, rows: NDArray[np.int64], half: int, noise: float) -> Array:
-    near = np.clip(rows[:, None] + np.arange(-half, half + 1), 0, len(x) - 1)
-    y = x[near]
+    y = x[np.clip(rows[:, None] + np.arange(-half, half + 1), 0, len(x) - 1)]
     trend = np.abs(y[:, : half + 1].mean(1) - y[:, half:].mean(1))
     still = (y.max(1) - y.min(1) < 8.0 * noise) & (trend < 5.0 * noise / math.sqrt(half) + 1.5 * noise)
     return np.asarray(still, dtype=float)
@@ -222,8 +220,7 @@ def _memories(shooter: Shooter) -> tuple[Array, Array]:
             if path is None or not mine.any():
                 continue
             rows = windows.places[mine, 1]
-            states = effect.states_along(path[: rows.max() + 1])
-            z[mine, i] = states[rows]
+            z[mine, i] = effect.states_along(path[: rows.max() + 1])[rows]
             std[mine, i] = INTERNAL_STATE_WIDTH * min(effect.reach, float(np.ptp(path))) * np.where(rows == 0, 3.0, 1.0)
     return z, std
 
@@ -252,9 +249,7 @@ def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
         name = f"{signal}.{joint}"
         if name not in recording:
             return None
-        effects = sensors(model, name)
-        x = recovered(effects, np.asarray(recording[name]), recording.t)
-        return np.interp(recording.t, recording.t - lag(effects), x) if lag(effects) else x
+        return np.interp(recording.t, *true_samples(model, recording, name))
 
     q, theta = position("q"), position("theta")
     path: Array | None

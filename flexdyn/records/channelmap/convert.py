@@ -119,8 +119,7 @@ def _unit(channel: Channel, name: str) -> Unit:
     if unit is None or unit.quantity not in fitting:
         problem = "no such unit" if unit is None else f"a unit of {unit.quantity} does not fit {channel.name}"
         known = [other for other, entry in UNITS.items() if entry.quantity in fitting]
-        near = did_you_mean(name, known)
-        remedy = f"{near} or give factor, in SI per raw unit"
+        remedy = f"{did_you_mean(name, known)} or give factor, in SI per raw unit"
         raise InputError(problem, key=_key(channel, "unit"), value=channel.unit or name, remedy=remedy)
     return unit
 

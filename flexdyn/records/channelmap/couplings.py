@@ -35,8 +35,7 @@ def couplings_of(entries: Any, channels: Sequence[Channel]) -> tuple[Coupling, .
     for i, entry in enumerate(entries):
         key = f"couplings[{i}]"
         check_keys(entry, KEYS, required=("joints", "position"), key=key)
-        taken = [joint for coupling in made for joint in coupling.joints]
-        made.append(_coupling(key, entry, joints, taken))
+        made.append(_coupling(key, entry, joints, [joint for coupling in made for joint in coupling.joints]))
         _check_complete(key, made[-1], names)
     return tuple(made)
 
@@ -69,8 +68,7 @@ def _coupling(key: str, entry: Any, known: Sequence[str], taken: Collection[str]
     if np.linalg.cond(position) > _SINGULAR:
         remedy = "correct it, or give torque as well"
         raise InputError("the matrix is singular", key=f"{key}.position", value=entry["position"], remedy=remedy)
-    torque = np.linalg.inv(position).T
-    return Coupling(joints, position, tuple(tuple(row) for row in torque.tolist()), signals)
+    return Coupling(joints, position, tuple(tuple(row) for row in np.linalg.inv(position).T.tolist()), signals)
 
 
 def _check_complete(key: str, coupling: Coupling, names: Collection[str]) -> None:

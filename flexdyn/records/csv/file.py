@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import os
 from array import array
 from collections.abc import Iterator
@@ -28,7 +29,7 @@ def write(rec: Recording, path: Path, delimiter: str = ",") -> None:
     """Write the shortest digits that determine every double; a plain table has no meta data."""
     columns = [rec.t, *rec.channels.values()]
     with open(path, "x", encoding="utf-8", newline="\n") as stream:
-        stream.write(delimiter.join(["t", *map(_quoted, rec.channels)]) + "\n")
+        csv.writer(stream, delimiter=delimiter, lineterminator="\n").writerow(["t", *rec.channels])
         for start in range(0, len(rec), _CSV_ROWS_AT_ONCE):
             rows = zip(*(column[start : start + _CSV_ROWS_AT_ONCE].tolist() for column in columns), strict=True)
             stream.writelines(delimiter.join(map(repr, row)) + "\n" for row in rows)
@@ -64,11 +65,6 @@ def _guessed(header: Header) -> str:
     if header.told or header.dialect.decimal == ".":
         return ""
     return "numbers were read with a decimal comma; if that is wrong, say source: {decimal: .} in a channel map"
-
-
-def _quoted(name: str) -> str:
-    """A name in quotes, if a reader of quoted cells needs them."""
-    return '"' + name.replace('"', '""') + '"' if '"' in name else name
 
 
 def _blocks(stream: TextIO, size: int, request: Request) -> Iterator[Block]:

@@ -52,8 +52,7 @@ def write(variables: dict[str, Any], path: Path) -> None:
 
 
 def _write_column(group: Any, name: str, values: Array) -> None:
-    dataset = group.create_dataset(name, data=values.reshape(1, -1))
-    dataset.attrs["MATLAB_class"] = np.bytes_("double")
+    group.create_dataset(name, data=values.reshape(1, -1)).attrs["MATLAB_class"] = np.bytes_("double")
 
 
 def read_here(path: Path, request: Request) -> Table:

@@ -33,8 +33,7 @@ class Conventional:
 
     def __call__(self, columns: Mapping[str, MessageNumber], row: int) -> dict[str, MessageNumber]:
         """Numbers by channel."""
-        own = self.own
-        channels = own_channels(columns, self.topic, self.msgtype) if own else channels_of(columns, self.msgtype)
+        channels = own_channels(columns, self.topic, self.msgtype) if self.own else channels_of(columns, self.msgtype)
         if self.names is None:
             self.names = frozenset(channels)
             if not channels:

@@ -60,8 +60,7 @@ class MessageLayout:
 
     def matches(self, block: Bytes) -> npt.NDArray[np.bool_]:
         """Whether each message of a block, all of the same length, has this layout."""
-        same: npt.NDArray[np.bool_] = (block[:, self.fixed] == self.template).all(axis=1)
-        return same
+        return np.asarray((block[:, self.fixed] == self.template).all(axis=1))
 
 
 def lay_out(raw: bytes, msgtype: str, fields: Fields, *, cdr: bool) -> MessageLayout:
@@ -156,8 +155,7 @@ class _Walk:
         self._align(4)
         begin = self._take(4)
         self.fixed += range(begin, begin + 4)
-        count: int = struct.unpack_from(f"{self.order}I", self.raw, begin)[0]
-        return count
+        return int(struct.unpack_from(f"{self.order}I", self.raw, begin)[0])
 
     def _text(self) -> str:
         count = self._count()

@@ -76,8 +76,7 @@ def uniform_rate(rec: Recording) -> float:
     rate = rec.rate
     off = np.abs((rec.t - rec.t[0]) * rate - np.arange(len(rec)))
     if off.max() > CLOCK_JITTER:
-        steps = np.abs(np.diff(rec.t) * rate - 1)
-        row = int(np.argmax(steps)) + 1
+        row = int(np.argmax(np.abs(np.diff(rec.t) * rate - 1))) + 1
         typical = 1 / float(np.median(np.diff(rec.t)))
         problem = f"row {row}: the samples are not uniform, {float(off.max()):.2g} periods off a grid"
         remedy = f"resample first: .resample(rate={typical:.4g})"

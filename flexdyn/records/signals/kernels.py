@@ -99,8 +99,7 @@ def _series(terms: tuple[float, ...]) -> Array:
     """The sum of terms[i] d^(2 i) as weights, symmetric."""
     total, power = np.zeros(2 * len(terms) - 1), np.ones(1)
     for term in terms:
-        pad = (len(total) - len(power)) // 2
-        total += term * np.pad(power, pad)
+        total += term * np.pad(power, (len(total) - len(power)) // 2)
         power = np.convolve(power, _SQUARED)
     return total
 

@@ -1,0 +1,41 @@
+// Dry contacts over one step of TimeStepping: which stick and which slide.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "plant.hpp"
+#include "ties.hpp"
+
+namespace flexdyn {
+
+class StepContacts {
+ public:
+  explicit StepContacts(const Plant& plant)
+      : plant_(plant), N_(plant.velocities()), motion_(plant.contacts().size(), stuck) {}
+
+  // Impulse that every contact can hold over a step of length h: for sliding on, and for turning round from rest.
+  void levels(Plant::Workspace& work, double t, const std::vector<double>& state, double h);
+  // Velocities w (N) with A w + lambda = b, each impulse lambda in its contact's box.
+  Eigen::VectorXd boxed_solve(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+
+ private:
+  bool consistent(const Eigen::MatrixXd& A, const Eigen::VectorXd& rest, const std::vector<char>& held,
+                  Eigen::VectorXd& w);
+  bool settled(const Eigen::MatrixXd& A, const Eigen::VectorXd& rest, const std::vector<char>& held,
+               const std::vector<Tie>& ties, Eigen::VectorXd& w);
+  int place(const DryContact& contact) const { return static_cast<int>(plant_.velocity_index(contact)) - N_; }
+  int other_place(const DryContact& contact) const { return static_cast<int>(plant_.other_index(contact)) - N_; }
+  // What a contact can hold over the step.
+  Box box_of(std::size_t contact) const { return {level_[2 * contact], level_[2 * contact + 1]}; }
+  Box box_at(int velocity) const;
+
+  const Plant& plant_;
+  int N_;
+  std::vector<int> motion_;    // of each contact in the last step
+  std::vector<double> level_;  // of each contact: backward, forward
+};
+
+}  // namespace flexdyn
