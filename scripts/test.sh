@@ -8,6 +8,8 @@ want_chromium
 make_venv test,docs
 # Tests see the installed package, as a user does, and not the folder of the same name beside them.
 export PYTHONSAFEPATH=1
+# Libraries are installed without bytecode: where Python may not write it, every process compiles all that it imports.
+unset PYTHONDONTWRITEBYTECODE
 bin=.venv/bin
 "$bin/ruff" check .
 "$bin/ruff" format --check .

@@ -1,13 +1,15 @@
 """What the process that starts the tests may have set, and tests must not feel; the order of the files; fixtures.
 
 Tests of Ctrl-C need one: a shell has its background jobs, and all that they start, ignore it. And pytest-xdist tells
-its workers how wide the terminal is, which is not where the output of a test goes.
+its workers how wide the terminal is, which is not where the output of a test goes. Libraries are installed without
+bytecode: where Python may not write it either, each process that a test starts compiles all that it imports again.
 """
 
 from __future__ import annotations
 
 import os
 import signal
+import sys
 from pathlib import Path
 
 import pytest
@@ -29,6 +31,8 @@ HERE = Path(__file__).parent
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 os.environ.pop("COLUMNS", None)
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 
 def pytest_configure(config: pytest.Config) -> None:
