@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -91,16 +92,17 @@ def integrate(contact: Contact, x0: State, times: Array, max_step: float = 0.01)
             atol=1e-13,
             max_step=max_step,
             events=watched,
-            dense_output=True,
+            t_eval=times[times >= t],
         )
         assert found.success, found.message
-        inside = (times >= t) & ((times < found.t[-1]) | (found.status == 0))
-        if inside.any():
-            out.append(found.sol(times[inside]).T)
+        over = [(float(at), x) for k in range(ends) for at, x in zip(found.t_events[k], found.y_events[k], strict=True)]
+        end = over[0][0] if over else math.inf
+        if len(found.t):
+            out.append(found.y.T[found.t < end])
         events += [float(at) for passed in found.t_events[ends:] for at in passed if at > t + 1e-9]
-        if found.status == 0:
+        if not over:
             return np.vstack(out), events
-        t, x = float(found.t[-1]), found.y[:, -1].copy()
+        t, x = end, over[0][1].copy()
         events.append(t)
         if motion:
             x[contact.place] = 0.0

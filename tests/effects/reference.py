@@ -9,11 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
+from scipy.integrate import ode
 
 Array = NDArray[np.float64]
 LENGTH, MASS, INERTIA, TIP = 1.05, 0.42525, 0.03906984375, 0.1
@@ -125,34 +126,57 @@ class Arm:
         """Number of joints."""
         return len(self.stiffness)
 
-    @property
+    @cached_property
     def elastic(self) -> list[int]:
         """Joints with a spring."""
         return [j for j in range(self.n) if math.isfinite(self.stiffness[j])]
 
+    @cached_property
+    def _sides(self) -> dict[tuple[int, str], list[Any]]:
+        on_joints = [[e for e in self.effects if getattr(e, "joint", None) == name] for name in NAMES]
+        sides = ("motor", "transmission", "link")
+        return {(j, side): [e for e in on_joints[j] if e.side == side] for j in range(self.n) for side in sides}
+
     def of(self, joint: int, side: str) -> list[Any]:
         """The effects on one side of a joint."""
-        on_joints = [e for e in self.effects if getattr(e, "joint", None) == NAMES[joint]]
-        return [e for e in on_joints if e.side == side]
+        return self._sides[joint, side]
 
-    def mass_matrix(self, q: Sequence[float]) -> Array:
-        """M(q) of the links, rotors of rigid joints included."""
+    def _inertias(self, q: Sequence[float]) -> tuple[float, float, float]:
+        # M_11, M_12, M_22 of both joints, rotors of rigid joints included.
         half, q2 = LENGTH / 2, (q[1] if self.n == 2 else 0.0)
         cross = (MASS * half + TIP * LENGTH) * LENGTH * math.cos(q2)
         outer = MASS * half**2 + INERTIA + TIP * LENGTH**2
         inner = MASS * half**2 + INERTIA + (MASS + TIP) * LENGTH**2
-        M = np.array([[inner + outer + 2 * cross, outer + cross], [outer + cross, outer]])[: self.n, : self.n]
-        for j in set(range(self.n)) - set(self.elastic):
-            M[j, j] += self.rotor[j]
-        return M
+        rigid = [0.0 if j >= self.n or j in self.elastic else self.rotor[j] for j in (0, 1)]
+        return inner + outer + 2 * cross + rigid[0], outer + cross, outer + rigid[1]
 
-    def bias(self, q: Sequence[float], v: Sequence[float]) -> Array:
-        """h(q, v): Coriolis, centrifugal and gravity torques."""
+    def mass_matrix(self, q: Sequence[float]) -> Array:
+        """M(q) of the links, rotors of rigid joints included."""
+        first, between, second = self._inertias(q)
+        return np.array([[first, between], [between, second]])[: self.n, : self.n]
+
+    def _bias(self, q: Sequence[float], v: Sequence[float]) -> list[float]:
         half, q2, v2 = LENGTH / 2, *((q[1], v[1]) if self.n == 2 else (0.0, 0.0))
         c = (MASS * half + TIP * LENGTH) * LENGTH * math.sin(q2)
         outer = self.gravity * (MASS * half + TIP * LENGTH) * math.cos(q[0] + q2)
         inner = self.gravity * (MASS * half + (MASS + TIP) * LENGTH) * math.cos(q[0])
-        return np.array([-c * v2 * (v2 + 2 * v[0]) + inner + outer, c * v[0] ** 2 + outer])[: self.n]
+        return [-c * v2 * (v2 + 2 * v[0]) + inner + outer, c * v[0] ** 2 + outer][: self.n]
+
+    def bias(self, q: Sequence[float], v: Sequence[float]) -> Array:
+        """h(q, v): Coriolis, centrifugal and gravity torques."""
+        return np.array(self._bias(q, v))
+
+    def accelerations(self, q: Sequence[float], v: Sequence[float], torques: Sequence[float]) -> list[float]:
+        """Of the links, M(q) a = torques - h(q, v) [rad/s^2]."""
+        first, between, second = self._inertias(q)
+        net = [torque - h for torque, h in zip(torques, self._bias(q, v), strict=True)]
+        if self.n == 1:
+            return [net[0] / first]
+        determinant = first * second - between**2
+        return [
+            (second * net[0] - between * net[1]) / determinant,
+            (first * net[1] - between * net[0]) / determinant,
+        ]
 
     def applied(self, j: int, tau: float, theta: float, omega: float) -> float:
         """tau_applied of joint j [N m]."""
@@ -210,7 +234,8 @@ class Arm:
     def derivative(self, t: float, x: Sequence[float], tau: Sequence[float]) -> list[float]:
         """X' of x = [q, theta of elastic joints, v, omega of elastic joints, one state of memory at most]."""
         q, theta, v, omega, z = self.split(x)
-        drive, alpha, rates = np.zeros(self.n), [], []
+        drive: list[float] = []
+        alpha, rates = [], []
         for j in range(self.n):
             state = (q[j], theta[j], v[j], omega[j])
             other = omega[1 - j] if self.n == 2 else 0.0
@@ -221,29 +246,20 @@ class Arm:
             if j in self.elastic:
                 alpha.append((torque - spring.rotor) / self.rotor[j])
                 torque = spring.link
-            drive[j] = torque - link.link + sum(on_link(e, q[j], v[j]) for e in self.of(j, "link"))
+            drive.append(torque - link.link + sum(on_link(e, q[j], v[j]) for e in self.of(j, "link")))
             rates += spring.rates + rotor.rates + link.rates
-        a = np.linalg.solve(self.mass_matrix(q), drive - self.bias(q, v))
-        return [*v, *(omega[j] for j in self.elastic), *a.tolist(), *alpha, *rates]
+        return [*v, *(omega[j] for j in self.elastic), *self.accelerations(q, v, drive), *alpha, *rates]
 
 
 def trajectory(
-    f: Callable[[float, Sequence[float]], Sequence[float]],
-    x0: Any,
-    times: Any,
-    max_step: float = math.inf,
-    method: str = "DOP853",
+    f: Callable[[float, Sequence[float]], Sequence[float]], x0: Any, times: Any, max_step: float = math.inf
 ) -> Array:
-    """States at `times`, the first of them the start."""
-    found = solve_ivp(
-        lambda t, x: f(t, x.tolist()),
-        (times[0], times[-1]),
-        x0,
-        method=method,
-        t_eval=times,
-        rtol=1e-12,
-        atol=1e-13,
-        max_step=max_step,
-    )
-    assert found.success, found.message
-    return np.asarray(found.y.T)
+    """States at `times`, the first of them the start, by SciPy's compiled DOP853."""
+    settings = {"rtol": 1e-12, "atol": 1e-13, "nsteps": 100_000, "max_step": max_step if max_step < math.inf else 0.0}
+    solver = ode(lambda t, x: f(t, x.tolist())).set_integrator("dop853", **settings)
+    solver.set_initial_value(np.asarray(x0, dtype=float), times[0])
+    states = [np.array(x0, dtype=float)]
+    for t in times[1:]:
+        states.append(np.array(solver.integrate(t)))
+        assert solver.successful()
+    return np.array(states)
