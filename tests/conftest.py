@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -47,7 +48,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     places = [HERE / name for name in LONG]
     assert all(place.exists() for place in places)
 
-    def place_of(item: pytest.Item) -> int:
-        return next((k for k, place in enumerate(places) if item.path.is_relative_to(place)), len(places))
+    @cache
+    def place_of(path: Path) -> int:
+        return next((k for k, place in enumerate(places) if path.is_relative_to(place)), len(places))
 
-    items.sort(key=place_of)
+    items.sort(key=lambda item: place_of(item.path))

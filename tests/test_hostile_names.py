@@ -17,6 +17,8 @@ from flexdyn.errors import one_line, visible
 from tests.browser import open_page
 from tests.viewer.arms import DRIVE
 
+pytestmark = pytest.mark.usefixtures("one_browser")
+
 HIT = "window.hit=1;document.title='hit'"
 NAMES = (
     f"<img src=x onerror={HIT}>",

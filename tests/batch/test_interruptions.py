@@ -74,7 +74,7 @@ def test_kill_at_any_moment(tmp_path: Path) -> None:
 
     A study that reaches its end before it is killed is held against the whole one too, and begun anew.
     """
-    path = write_study(tmp_path, runs=120, chunk=2, duration=2.0, solver={"name": "TimeStepping", "step": 5e-4})
+    path = write_study(tmp_path, runs=120, chunk=2, duration=1.0, solver={"name": "TimeStepping", "step": 5e-4})
     fd.run_study(write_study(tmp_path / "warm"), tmp_path / "warm.zarr")
     begin = time.monotonic()
     fd.run_study(path, tmp_path / "whole.zarr", workers=2)

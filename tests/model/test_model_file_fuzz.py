@@ -76,7 +76,7 @@ def changed(path: tuple[Any, ...], value: Any) -> Any:
     return content
 
 
-@settings(max_examples=600, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(path=st.sampled_from(list(paths(CONTENT))), value=VALUES)
 @example(path=("joints", "shoulder", "stiffness"), value=10**5000)
 @example(path=("effects", 2, "frame"), value={"a": 1})

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import ode, solve_ivp
+from scipy.integrate import ode
 
 Array = NDArray[np.float64]
 Torque = Sequence[float]
@@ -25,9 +25,9 @@ def trajectory(f: Callable[[float, Sequence[float]], Sequence[float]], x0: Seque
         ) -> Sequence[float]:
             return f(t if begin < t < end else np.nextafter(t, inside), x.tolist())
 
-        found = solve_ivp(piece, (begin, end), states[-1], method="DOP853", rtol=3e-14, atol=1e-14)
-        assert found.success, found.message
-        states.append(found.y[:, -1])
+        solver = ode(piece).set_integrator("dop853", rtol=3e-14, atol=1e-14, nsteps=100_000)
+        states.append(solver.set_initial_value(states[-1], begin).integrate(end).copy())
+        assert solver.successful()
     return np.array(states)
 
 
@@ -39,10 +39,10 @@ def held(
 ) -> tuple[Array, Array]:
     """States at `ticks` and the torques asked for there, each held to the next tick."""
     states, torques = [list(x0)], []
+    step = ode(lambda _, x, tau: f(x.tolist(), tau)).set_integrator("dop853", rtol=1e-13, atol=1e-14)
     for begin, end in itertools.pairwise(ticks):
         tau = torque(begin, states[-1])
         torques.append(list(tau))
-        step = ode(lambda _, x, tau: f(x.tolist(), tau)).set_integrator("dop853", rtol=1e-13, atol=1e-14)
         step.set_initial_value(states[-1], begin).set_f_params(tau)
         states.append(step.integrate(end).tolist())
         assert step.successful()

@@ -72,43 +72,46 @@ class RidingRotors:
             gain[self.mimic[0]] = self.mimic[2] * gain[self.mimic[1]]
         return gain
 
-    def inertia_and_height(self, q: NDArray[Any]) -> tuple[NDArray[Any], Any]:
-        """H of y = [q, theta of elastic joints], and the gravitational energy; q may be complex."""
+    def inertias_and_heights(self, q: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+        """H of y = [q, theta of elastic joints], and the gravitational energy, of every row of q; it may be complex."""
         n, gain = len(self.own), self.gain
-        chain = gain @ q
-        R, p = np.eye(3, dtype=chain.dtype), np.zeros(3, dtype=chain.dtype)
-        turning, moving = np.zeros((3, n), chain.dtype), np.zeros((3, n), chain.dtype)  # of the parent's frame
-        H = np.zeros((n + len(self.elastic),) * 2, chain.dtype)
-        potential: Any = 0.0
+        chain = q @ gain.T
+        rows, kind = len(chain), chain.dtype
+        R, p = np.tile(np.eye(3, dtype=kind), (rows, 1, 1)), np.zeros((rows, 3), kind)
+        turning, moving = np.zeros((rows, 3, n), kind), np.zeros((rows, 3, n), kind)  # of the parent's frame
+        H = np.zeros((rows, n + len(self.elastic), n + len(self.elastic)), kind)
+        potential = np.zeros(rows, kind)
         for k, link in enumerate(self.links):
             arm, axis = R @ np.array(link.origin), R @ np.array(link.axis)
             p, moving = p + arm, moving - cross(arm) @ turning
             if k in self.own:
                 i = self.own.index(k)
-                spin = np.zeros(len(H), chain.dtype)
+                spin = np.zeros(H.shape[1])
                 spin[n + self.elastic.index(i) if i in self.elastic else i] = self.ratio[i]
-                riding = np.zeros(len(H), chain.dtype)
-                riding[:n] = axis @ turning
-                about = self.rotor[i] / self.ratio[i] ** 2
-                H += about * (np.outer(spin + riding, spin + riding) - np.outer(riding, riding))
-            turning = turning + np.outer(axis, gain[k])
-            R = R @ rotation(np.array(link.axis), chain[k])
+                riding = np.zeros((rows, H.shape[1]), kind)
+                riding[:, :n] = (axis[:, None, :] @ turning)[:, 0]
+                about, both = self.rotor[i] / self.ratio[i] ** 2, spin + riding
+                H += about * (both[:, :, None] * both[:, None, :] - riding[:, :, None] * riding[:, None, :])
+            turning = turning + axis[:, :, None] * gain[k]
+            R = R @ rotation(np.array(link.axis), chain[:, k, None, None])
             centre = R @ np.array(link.centre)
             at = moving - cross(centre) @ turning
-            H[:n, :n] += link.mass * at.T @ at + turning.T @ R @ np.diag(link.inertia) @ R.T @ turning
-            potential = potential - link.mass * (np.array(self.gravity) @ (p + centre))
+            about_axes = R.swapaxes(1, 2) @ turning
+            H[:, :n, :n] += link.mass * at.swapaxes(1, 2) @ at
+            H[:, :n, :n] += about_axes.swapaxes(1, 2) @ (np.array(link.inertia)[:, None] * about_axes)
+            potential -= link.mass * ((p + centre) @ np.array(self.gravity))
         return H, potential
 
     def derivative(self, x: Array, tau: Sequence[float]) -> Array:
         """X' of x = [q, theta, v, omega], d/dt (dT/dy') - dT/dy + dV/dy = tau."""
         n, half = len(self.own), len(x) // 2
         q, rate = x[:n], x[half:]
-        H = self.inertia_and_height(q)[0]
+        # One complex step along every angle, and one along the motion.
+        H, V = self.inertias_and_heights(q + 1j * STEP * np.vstack([np.eye(n), rate[:n]]))
+        slopes = H.imag / STEP
         force = np.zeros(half)
-        for k in range(n):
-            Hk, Vk = self.inertia_and_height(q + 1j * STEP * np.eye(n)[k])
-            force[k] += 0.5 * rate @ (Hk.imag / STEP) @ rate - Vk.imag / STEP
-        force -= (self.inertia_and_height(q + 1j * STEP * rate[:n])[0].imag / STEP) @ rate
+        force[:n] = 0.5 * (slopes[:n] @ rate) @ rate - V.imag[:n] / STEP
+        force -= slopes[n] @ rate
         for i in range(n):
             if i in self.elastic:
                 place = n + self.elastic.index(i)
@@ -117,12 +120,12 @@ class RidingRotors:
                 force[place] += tau[i] - spring
             else:
                 force[i] += tau[i]
-        return np.concatenate([rate, np.linalg.solve(H, force)])
+        return np.concatenate([rate, np.linalg.solve(H[n].real, force)])
 
     def energy(self, x: Array) -> float:
         """Kinetic, gravitational and spring energy [J]."""
         n, half = len(self.own), len(x) // 2
-        H, potential = self.inertia_and_height(x[:n])
+        (H,), (potential,) = self.inertias_and_heights(x[None, :n])
         stretched = [self.stiffness[i] * (x[n + slot] - x[i]) ** 2 for slot, i in enumerate(self.elastic)]
         return float(0.5 * x[half:] @ H @ x[half:] + potential + 0.5 * sum(stretched))
 
@@ -164,8 +167,11 @@ def triple(numbers: tuple[float, float, float]) -> str:
 
 
 def cross(a: NDArray[Any]) -> NDArray[Any]:
-    """The matrix of a x."""
-    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+    """The matrices of a x, for every row of a."""
+    found = np.zeros((*a.shape, 3), a.dtype)
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        found[..., i, j], found[..., j, i] = -a[..., k], a[..., k]
+    return found
 
 
 def rotation(axis: Array, angle: Any) -> NDArray[Any]:

@@ -77,9 +77,10 @@ def nested(depth: int) -> bytes:
     """A struct in a struct in a struct."""
     innermost = column("", T)
     field = struct.pack("<HHI", 5, 4, 2) + element(1, b"a\0")
+    inner, outermost = (matrix(2, name, (1, 1), field)[8:] for name in ("", "x"))
     heads, length = [], len(innermost)
     for level in range(depth):
-        head = matrix(2, "x" if level == depth - 1 else "", (1, 1), field)[8:]
+        head = outermost if level == depth - 1 else inner
         length += len(head)
         heads.append(struct.pack("<II", 14, length) + head)
         length += 8

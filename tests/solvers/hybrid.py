@@ -25,27 +25,28 @@ def integrate(
     watched = [_terminal(switch) for switch in switches]
     hop = False
     while True:
+        until = min(t + HOP, end) if hop else end
         piece = solve_ivp(
             lambda t, x: f(t, x.tolist()),
-            (t, min(t + HOP, end) if hop else end),
+            (t, until),
             x,
             method="DOP853",
             rtol=1e-12,
             atol=1e-13,
             max_step=0.01,
             events=None if hop else watched,
-            dense_output=True,
+            t_eval=np.append(times[(times >= t) & (times < until)], until),
         )
         assert piece.success, piece.message
-        last = float(piece.t[-1])
-        inside = (times >= t) & ((times < last) | (last == end))
-        if inside.any():
-            rows.append(piece.sol(times[inside]).T)
+        passed = [] if hop else [k for k, at in enumerate(piece.t_events) if len(at)]
+        last, x = (piece.t_events[passed[0]][0], piece.y_events[passed[0]][0]) if passed else (until, piece.y[:, -1])
+        if len(piece.t):
+            rows.append(piece.y.T[piece.t < last])
         if last == end:
-            return np.vstack(rows), found
+            return np.vstack([*rows, x]), found
         if not hop:
-            found.append(last)
-        t, x, hop = last, piece.y[:, -1], not hop
+            found.append(float(last))
+        t, hop = float(last), not hop
         assert len(found) < 500
 
 
