@@ -28,6 +28,11 @@ def test_python_m_flexdyn(tmp_path: Path) -> None:
     assert "did you mean 'info'" in bad.stderr
 
 
+def asked(words: str) -> dict[str, str]:
+    """What bash sets to ask what could follow."""
+    return {"_FLEXDYN_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(len(words.split()) - 1)}
+
+
 @pytest.mark.parametrize(
     ("words", "found"),
     [
@@ -38,12 +43,22 @@ def test_python_m_flexdyn(tmp_path: Path) -> None:
         ("flexdyn info scara", ["scara", "scara_two_link"]),
     ],
 )
-def test_the_shell_is_told_what_could_follow(words: str, found: list[str]) -> None:
+def test_the_shell_is_told_what_could_follow(
+    flexdyn: Runner, monkeypatch: pytest.MonkeyPatch, words: str, found: list[str]
+) -> None:
     """Commands, options, and names of effects, examples and models."""
-    asked = {"_FLEXDYN_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(len(words.split()) - 1)}
-    done = subprocess.run(MODULE, capture_output=True, text=True, check=False, env={**os.environ, **asked})
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.split() == found
+    for name, value in asked(words).items():
+        monkeypatch.setenv(name, value)
+    outcome = flexdyn()
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out.split() == found
+
+
+def test_a_shell_asks_a_process() -> None:
+    """As bash does when the tabulator is pressed."""
+    environment = {**os.environ, **asked("flexdyn si")}
+    done = subprocess.run(MODULE, capture_output=True, text=True, check=False, env=environment)
+    assert (done.returncode, done.stdout.split(), done.stderr) == (0, ["simulate"], "")
 
 
 def test_completion_is_installed_for_the_users_shell(tmp_path: Path) -> None:

@@ -35,9 +35,9 @@ HEARD, ANSWERED = 0.5, 3.0
 
 @pytest.fixture(name="folder")
 def _folder(tmp_path: Path) -> Path:
-    """A minute of six joints with hidden friction: a diagnosis takes a good while."""
+    """Half a minute of six joints with hidden friction: a diagnosis takes a good while."""
     model = fd.load_model("ur5")
-    t = np.arange(0.0, 60.0, 0.01)
+    t = np.arange(0.0, 30.0, 0.01)
     draw = np.random.default_rng(2)
     rates, phases = draw.uniform(0.7, 2.5, (2, model.n)), draw.uniform(0.0, 6.0, (2, model.n))
     sway = sum(0.3 * np.sin(rates[k] * t[:, None] + phases[k]) for k in range(2))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -17,17 +18,24 @@ import flexdyn as fd
 from tests.cli.conftest import Runner
 
 
-@pytest.fixture(autouse=True)
-def runs(flexdyn: Runner) -> None:
-    """A run with its model, one without, and one of another arm."""
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a run that has its model, one without, and one of another arm."""
+    folder = tmp_path_factory.mktemp("made")
     run = fd.simulate(fd.load_model("scara_two_link"), duration=0.2, q0=[0.3, 0.4], v0=[1.0, -1.0])
-    run.save("run.npz")
-    run.save("run.csv")
+    run.save(folder / "run.npz")
+    run.save(folder / "run.csv")
     rec = run.to_recording()
     still = fd.Recording(rec.t, {name: rec[name] for name in rec.channels if name.startswith("q.")}, meta=rec.meta)
-    fd.write_recording(still, "still.npz")
-    fd.simulate(fd.load_model("scara"), duration=0.01).save("other.npz")
-    Path("pd.yaml").write_text("pd: {reference: run.npz, kp: 40.0, kd: 2.0}\n", encoding="utf-8")
+    fd.write_recording(still, folder / "still.npz")
+    fd.simulate(fd.load_model("scara"), duration=0.01).save(folder / "other.npz")
+    (folder / "pd.yaml").write_text("pd: {reference: run.npz, kp: 40.0, kd: 2.0}\n", encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(autouse=True)
+def _runs(flexdyn: Runner, made: Path) -> None:
+    shutil.copytree(made, Path(), dirs_exist_ok=True)
 
 
 @pytest.mark.parametrize(

@@ -39,7 +39,7 @@ def recordings(draw: st.DrawFn) -> Recording:
     return Recording(T, channels, meta={"units": units, "n": [1, None]} if units else None, name="log")
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(rec=recordings())
 def test_there_and_back_is_bit_for_bit(rec: Recording) -> None:
     """Samples, order of channels and meta survive, whatever is stacked."""

@@ -45,7 +45,7 @@ def recordings(draw: st.DrawFn) -> Recording:
 
 
 @pytest.mark.parametrize("suffix", [name for name in SUFFIXES if name not in (".bag", ".mcap", ".db3")])
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(rec=recordings())
 def test_every_double_and_name_comes_back_bit_for_bit(
     suffix: str, rec: Recording, tmp_path_factory: pytest.TempPathFactory

@@ -63,7 +63,7 @@ def wholes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 @pytest.mark.parametrize("kind", DAMAGED)
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(changes=st.lists(st.tuples(st.integers(0, 2**16), st.integers(0, 255)), min_size=1, max_size=4))
 def test_changed_bytes(wholes: dict[str, Path], kind: str, changes: list[tuple[int, int]]) -> None:
     """Damage anywhere in a bag that others wrote gives a recording or a line."""
