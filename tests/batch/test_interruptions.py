@@ -43,6 +43,7 @@ sys.meta_path.insert(0, Interrupting())
 AT_THE_END = "import atexit, os, signal; atexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))"
 LIMITED = """
 import resource, sys, flexdyn
+sys.dont_write_bytecode = True  # of what it still imports, Python would leave files that are cut off
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[3]),) * 2)
 flexdyn.run_study(sys.argv[1], sys.argv[2])
 """
