@@ -19,4 +19,7 @@ types=$!
 build_docs
 wait "$types"
 # A worker for each processor; tests of one file stay together, for they share what is dear to make.
+# Threads of the linear algebra beside the workers would spend their time waiting for each other; tests that are about
+# them set their own number.
+export OPENBLAS_NUM_THREADS=1
 "$bin/pytest" -n auto --dist loadfile "$@"
