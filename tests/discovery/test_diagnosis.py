@@ -16,13 +16,13 @@ CASES = [
     ("pair", 5, 22, "Stribeck friction on a link and a torque limit on the other motor"),
     ("motor_only", 102001, 0, "hysteresis of a spring"),
     ("link_only", 4, 12, "damping of a transmission"),
+    ("rigid", 5, 7, "viscous friction"),
     ("none", 4, 0, "nothing"),
     ("outside", 4, 0, "a torque that drifts"),
 ]
 
 
 MORE = [
-    ("rigid", 5, 7, "viscous friction"),
     ("single", 3, 3, "Coulomb friction on a link"),
     ("single", 3, 5, "Stribeck friction on a motor"),
     ("single", 5, 26, "a hardening spring"),
