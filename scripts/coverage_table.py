@@ -1,6 +1,6 @@
 """How much of each package the tests run, as the table of CONTRIBUTING.md.
 
-    pytest -n 2 --dist loadfile --cov=flexdyn --cov-report=json:build/coverage.json
+    pytest -n 2 --dist loadfile --cov --cov-report=json:build/coverage.json
     python scripts/coverage_table.py build/coverage.json
 
 Lines that run only in processes which tests start by themselves are not counted.
