@@ -38,7 +38,7 @@ from flexdyn.simulation import solvers
 from flexdyn.simulation.electrical import Electrical
 from flexdyn.simulation.energy import Energy, EnergyWarning
 from flexdyn.simulation.limits import Exceeded, LimitWarning, enforce_limits
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate, simulate_many
 from flexdyn.viewer.playback import Playback, play

@@ -15,7 +15,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.given import as_recording
 from flexdyn.records.signals.derivatives import derivatives
 from flexdyn.robot.tree import Tree
-from flexdyn.simulation.plant import with_payloads
+from flexdyn.simulation.link_side import with_payloads
 
 MOST_SAMPLES_ALONG = 4000
 """Largest number of samples of a recording that are used; of more, evenly spaced ones."""

@@ -10,7 +10,8 @@ from flexdyn.analysis.roots import roots
 from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.simulation.plant import LinkSide, build_plant, coupled_inertia
+from flexdyn.simulation.link_side import LinkSide
+from flexdyn.simulation.plant import build_plant, coupled_inertia
 
 TORQUE_ROUNDING = 1e-13
 """A torque below this share of the largest torque on the arm counts as zero [1]."""

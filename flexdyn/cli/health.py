@@ -21,7 +21,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model
 from flexdyn.records import read_recording, write_recording
 from flexdyn.simulation import solvers
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 from flexdyn.simulation.simulate import simulate
 
 EXTRAS: dict[str, tuple[str, tuple[str, ...]]] = {

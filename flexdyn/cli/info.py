@@ -21,7 +21,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.resolved_parameters import units_of
 from flexdyn.plots import SUFFIXES, draw_frequencies
 from flexdyn.robot.axes import plain_axes
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 
 DRIVES = {
     "J": "rotor inertia",

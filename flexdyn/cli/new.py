@@ -21,7 +21,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import model_from_dict, model_to_dict
 from flexdyn.plots import example_entry
 from flexdyn.robot import load_robot
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 
 _PLAIN = re.compile(r"(\.\.?/)*[A-Za-z_/][A-Za-z0-9_./-]*")
 SUGGESTED_BANDWIDTH = 2.0

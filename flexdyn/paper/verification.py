@@ -10,7 +10,7 @@ from flexdyn.paper import equations as eq
 from flexdyn.paper.cases import PAPER_V, PaperCases, smooth_samples, smooth_torque
 from flexdyn.paper.chapter import Chapter, Check, prose, stated
 from flexdyn.robot import frame_positions
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 from flexdyn.simulation.solvers import DormandPrince

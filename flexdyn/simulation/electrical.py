@@ -16,7 +16,7 @@ from flexdyn.model.actuator import Actuator
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.signals.cut import with_channels
-from flexdyn.simulation.plant import acting_effects
+from flexdyn.simulation.laws import acting_effects
 
 ASKED = ("voltage", "duty", "goal")
 """Signals that command a motor under voltage; the first that was recorded is used."""

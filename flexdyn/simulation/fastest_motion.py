@@ -14,7 +14,9 @@ from flexdyn.effects import Effect
 from flexdyn.effects.memory import MemoryEffect
 from flexdyn.effects.motor import MotorWinding
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.simulation.plant import acting_effects, build_links, core_law, rotor_spin
+from flexdyn.simulation.laws import acting_effects, core_law
+from flexdyn.simulation.link_side import build_links
+from flexdyn.simulation.plant import rotor_spin
 
 WIDE = math.inf  # rad/s: smoothed over this width, dry friction has practically no slope
 

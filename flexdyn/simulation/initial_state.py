@@ -13,7 +13,7 @@ from flexdyn.checks import Array, as_numbers, number
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import Drive
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 
 Start = ArrayLike | Mapping[str, float] | None
 Columns = Mapping[str, Mapping[str, Any]]

@@ -14,7 +14,8 @@ from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot import Robot
 from flexdyn.robot.axes import joint_row
-from flexdyn.simulation.plant import LinkSide, first_positions
+from flexdyn.simulation.link_side import LinkSide
+from flexdyn.simulation.plant import first_positions
 
 SLACK = 1e-6
 """An excess below this share of a limit, or of a unit, is not reported [1]."""

@@ -16,7 +16,8 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import Drive
 from flexdyn.simulation.initial_state import first_states
 from flexdyn.simulation.inputs_and_signals import SIGNALS
-from flexdyn.simulation.plant import acting_effects, build_links, core_law, moves_inertia
+from flexdyn.simulation.laws import acting_effects, core_law
+from flexdyn.simulation.link_side import build_links, moves_inertia
 from flexdyn.simulation.solver_choice import budget, core_settings
 from flexdyn.simulation.solvers import Solver
 

@@ -10,7 +10,7 @@ import numpy as np
 from flexdyn.diagnose.data.measured import Measured, uniform
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 
 HIGHEST_KEPT_RATE = 2500.0
 """Higher rates are decimated [Hz]: no effect needs them, and the computing time grows with the rate."""

@@ -20,7 +20,7 @@ from flexdyn.effects import (
 )
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 
 TOLD = 1e-3
 """Share of the largest torque that an effect must make for a simulation to tell it well [1]."""

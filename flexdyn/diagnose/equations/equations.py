@@ -20,7 +20,7 @@ from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.diagnose.progress import check
 from flexdyn.effects import Effect, JointEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 
 Torques = tuple[Array | None, Array | None, Array | None]
 """In a joint's equations of the motor, of the link and of the torque sensor (samples,) each; None: nothing."""

@@ -11,7 +11,7 @@ from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import Backlash, HardeningSpring, JointEffect, SpringHysteresis
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.signals.kernels import GaussianSmoother
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 
 STEEP_SPRING_ROUNDS, STEEP_SPRING_STEP, STEEPEST_SPRING = 8, 1e-4, 10.0
 """Newton's method: steps, relative difference for slopes, and largest ratio of slopes to the spring's stiffness."""

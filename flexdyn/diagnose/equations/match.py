@@ -14,7 +14,7 @@ from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, 
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.signals.kernels import GaussianSmoother
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 
 SMOOTHING = 0.012
 """Standard deviation of the filter [s]: wide enough for the acceleration from a coarse encoder."""

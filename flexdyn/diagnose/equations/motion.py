@@ -16,7 +16,7 @@ from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.signals.kernels import GaussianSmoother
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 from flexdyn.simulation.prescribed import links_behind
 
 Places = NDArray[np.intp] | slice

@@ -15,7 +15,7 @@ from flexdyn.diagnose.equations.units_and_signs import check_equations
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import file_numbers
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 
 LEAST_MOVING_TIME = 1.5
 """Smallest time of motion in all recordings of the fit together [s]: three windows of 0.5 s."""

@@ -12,7 +12,7 @@ from flexdyn.diagnose.equations.match import Match, liveliest, match
 from flexdyn.diagnose.equations.mistakes import EXPLAINED_SHARE, Mistake, far, fits, mistakes, wanted_share
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 
 POOR_VARIANCE_SHARE = 0.7
 """Mistakes are searched if a model explains less of a torque's variance [1]."""

@@ -21,7 +21,8 @@ from flexdyn.effects import JointEffect, MemoryEffect, Payload
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
-from flexdyn.simulation.plant import LinkSide, acting_effects
+from flexdyn.simulation.laws import acting_effects
+from flexdyn.simulation.link_side import LinkSide
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 from flexdyn.simulation.solver_choice import STIFF

@@ -10,7 +10,7 @@ from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.effects import Payload
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 
 GREATEST_PERCENTILE = 99.0
 """This percentile of speeds and accelerations counts as the largest one: noise causes larger ones."""

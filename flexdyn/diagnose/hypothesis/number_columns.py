@@ -17,7 +17,7 @@ from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.resolved_parameters import OF_LINK, OF_MOTOR
 from flexdyn.model.uncertain_parameters import FileNumber
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 
 RELATIVE_NUMBER_STEP = 1e-3
 """Relative step of the differences."""

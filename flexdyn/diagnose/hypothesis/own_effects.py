@@ -17,7 +17,7 @@ from flexdyn.diagnose.hypothesis.proposal import Point, Proposal, extent_of
 from flexdyn.effects import Effect, JointEffect, catalogue
 from flexdyn.effects.extent import MotionExtent
 from flexdyn.errors import InputError
-from flexdyn.simulation.plant import PYTHON_STAGES
+from flexdyn.simulation.laws import PYTHON_STAGES
 
 LINEARITY_SAMPLES = 300
 """Number of samples of a motion that are used to test linearity."""

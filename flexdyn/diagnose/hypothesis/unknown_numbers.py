@@ -11,7 +11,7 @@ import numpy as np
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.joint import NUMBERS, Joint
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 
 START = 0.01
 """First value of a number that is given as 0, as a share of its absolute tolerance [1]."""

@@ -23,7 +23,8 @@ from flexdyn.effects.channels import lag, measure, recovered
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.at_time import at_time, is_timed
 from flexdyn.simulation.inputs_and_signals import SIGNALS
-from flexdyn.simulation.plant import acting_effects, build_plant
+from flexdyn.simulation.laws import acting_effects
+from flexdyn.simulation.plant import build_plant
 from flexdyn.simulation.solver_choice import STIFF, core_settings, fastest_rate
 from flexdyn.simulation.solvers import DormandPrince, Rosenbrock, RungeKutta4, Solver
 

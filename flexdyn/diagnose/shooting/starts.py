@@ -17,7 +17,7 @@ from flexdyn.diagnose.equations.motion import smoothed
 from flexdyn.diagnose.shooting.sensing import true_samples
 from flexdyn.diagnose.shooting.shooter import Shooter
 from flexdyn.effects import DeflectionEffect
-from flexdyn.simulation.plant import LinkSide
+from flexdyn.simulation.link_side import LinkSide
 
 REACHES = (0.04, 0.02, 0.01, 0.005)
 """Half widths of the local cubic [s]; the widest one whose error is only noise is used."""
