@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.stats import multivariate_normal
 
+from flexdyn.diagnose.inference.candidate_matrix import SPARE_COLUMNS
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.priors import FITTED_SIZE_WIDTH
-from flexdyn.diagnose.inference.space import SPARE_COLUMNS, Structure
+from flexdyn.diagnose.inference.space import Structure
 from flexdyn.effects import CoulombFriction
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column, in_order
@@ -205,7 +206,7 @@ def test_what_stands_is_there_or_not() -> None:
     space = bare.space()
     np.testing.assert_allclose(space.left(frozenset({(0, 0)})), bare.rows, atol=1e-6)
     np.testing.assert_allclose(space.left(EMPTY), bare.rows - block.white[:, 0], atol=1e-6)
-    assert space.base == 3  # two numbers and a little of its one tangent, none of what it does as it is
+    assert space.matrix.base == 3  # two numbers and a little of its one tangent, none of what it does as it is
 
 
 def test_the_best_is_the_most_likely_of_those_asked_for() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import replace
 from itertools import chain, combinations, product
 
@@ -12,14 +13,10 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from flexdyn.diagnose.inference.candidate import Column
+from flexdyn.diagnose.inference.candidate_matrix import NEGLIGIBLE_SHARE
 from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE, SMALLEST_TORQUE_SHARE
-from flexdyn.diagnose.inference.space import (
-    NEGLIGIBLE_SHARE,
-    PLACE_BETA,
-    UBIQUITOUS_BETA,
-    WHOLE_NUMBER_LOG_ODDS,
-    Structure,
-)
+from flexdyn.diagnose.inference.space import Structure
+from flexdyn.diagnose.inference.structure_prior import PLACE_BETA, UBIQUITOUS_BETA, WHOLE_NUMBER_LOG_ODDS
 from flexdyn.effects import CoulombFriction
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.inference_cases import EQUATIONS, EXPECTED, TIMES, Case, Given, column, share
@@ -75,7 +72,7 @@ def test_friction_of_links_is_not_expected() -> None:
     motors = math.exp(space.log_prior(ALONE))
     assert motor.proposal is not None
     motor.proposal = replace(motor.proposal, place={**motor.proposal.place, "side": "link"})
-    space.places = space._counted(space.candidates)
+    space.places = Counter(each.group for each in space.candidates)
     assert motors == pytest.approx(20.0)
     assert math.exp(space.log_prior(ALONE)) == pytest.approx(1.0)
 

@@ -21,6 +21,7 @@ from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.gram import lower_factor
 from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.diagnose.inference.torque_shares import torque_share
 from flexdyn.effects import Effect
 
 Array = NDArray[np.float64]
@@ -84,7 +85,7 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
     """
     columns, mean = space.gram.with_base(space.gram.estimate(space.columns(structure)))
     value = dict(zip(columns.tolist(), mean.tolist(), strict=True))
-    squares = space.products.squares(columns, mean)
+    squares = space.matrix.products.squares(columns, mean)
     below = _undetected(space.noise)
     excess = beyond_noise(space.noise, squares)
     typical, weights = _typical(space, excess), space.gram.weights
@@ -95,12 +96,12 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
         does = np.array([value[int(k)] for k in mine])
         if c < len(numbers):  # in every structure within its tolerance, and in this one perhaps beyond
             mine, does = np.array([c, *mine], np.intp), np.array([value[c] + numbers[c] - 1.0, *does])
-        whole = weights * (space.products.sum(mine, does) ** 2).sum(axis=1)
+        whole = weights * (space.matrix.products.sum(mine, does) ** 2).sum(axis=1)
         if not whole.any():  # a number that is where the file has it
             found[c] = 0.0
             continue
         there = whole > 0.01 * whole.max()
-        share = space.share(c, mine, does)
+        share = torque_share(space.candidates[c], space.matrix.size[mine], does)
         hidden = whole[there].sum() * (typical / share) ** 2 if share > 0.0 else 0.0
         left = max(float((weights * excess)[there].sum()), min(hidden, float((weights * below)[there].sum())))
         found[c] = _own(space, structure, c, value, does) / max(left, 1e-9)
@@ -122,12 +123,12 @@ def _typical(space: Space, excess: Array) -> float:
 
     A column's white power over the square of its torque's share tells what a share of the torque is in white rows.
     """
-    shares, white = [], space.products.diagonals()
-    for e, squares in enumerate(white):
-        k = np.arange(space.base, space.used)
-        k = k[(space.of[k] == e) & (space.size[k] > 0.0)]
+    shares, matrix = [], space.matrix
+    for e, squares in enumerate(matrix.products.diagonals()):
+        k = np.arange(matrix.base, matrix.used)
+        k = k[(matrix.of[k] == e) & (matrix.size[k] > 0.0)]
         if len(k):
-            shares.append(excess[e] / max(float(np.median(squares[k] / space.size[k] ** 2)), 1e-300))
+            shares.append(excess[e] / max(float(np.median(squares[k] / matrix.size[k] ** 2)), 1e-300))
     return float(np.sqrt(np.mean(shares))) if shares else 0.0
 
 
@@ -143,8 +144,8 @@ def _own(space: Space, structure: Structure, c: int, value: Mapping[int, float],
     others = [k for other in structure if other[0] != c for k in space.candidates[other[0]].columns[other[1]].tolist()]
     plain = [k for each in space.contained[c] for k in space.candidates[each].columns[0].tolist()]
     columns = np.setdiff1d(np.array([*range(len(numbers)), *others, *plain], np.intp), mine)
-    weights, products = space.gram.weights, space.products
-    G = np.diag(space.prior.precision[columns]) + np.tensordot(weights, products.of(columns, columns), 1)
+    weights, products = space.gram.weights, space.matrix.products
+    G = np.diag(space.matrix.prior.precision[columns]) + np.tensordot(weights, products.of(columns, columns), 1)
     b = np.tensordot(weights, products.of(columns, mine), 1) @ does
     power = float(does @ np.tensordot(weights, products.of(mine, mine), 1) @ does)
     least = np.full(len(columns), -np.inf)

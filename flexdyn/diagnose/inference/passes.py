@@ -25,10 +25,12 @@ from flexdyn.diagnose.inference.elsewhere import odds_by_fits
 from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.memory import check_memory
+from flexdyn.diagnose.inference.parameter_beliefs import beliefs
 from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import explore
-from flexdyn.diagnose.inference.space import WHOLE_NUMBER_LOG_ODDS, Space, Structure
+from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, waits
+from flexdyn.diagnose.inference.structure_prior import WHOLE_NUMBER_LOG_ODDS
 from flexdyn.diagnose.inference.weights import along_expected, expected, filter_error, for_fit, quieter, rows_of
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
@@ -137,10 +139,10 @@ class Linearisation:
 
     def fitted(self, there: Hypothesis, steps: int) -> Fit:
         """The fit of a hypothesis, with weights by what the last fit left until it does not outgrow them."""
-        beliefs = self.space.library.beliefs(there.effects)
+        priors = beliefs(self.space.library, there.effects)
         for _ in range(WEIGHTINGS):
             work = for_fit(self.near, self.noise, self.mask, self.space.seen, there)
-            work = dataclasses.replace(work, beliefs=beliefs)
+            work = dataclasses.replace(work, beliefs=priors)
             made = _natural(fit(there, work, steps=steps), self.space, work)
             there = made.hypothesis
             if made.reduced > WELL_WEIGHTED * expected(work):

@@ -11,7 +11,8 @@ from scipy.special import betaln
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.refinement import refined
-from flexdyn.diagnose.inference.space import WHOLE_NUMBER_LOG_ODDS, Space, Structure, odds_of
+from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.diagnose.inference.structure_prior import WHOLE_NUMBER_LOG_ODDS, odds_of
 from flexdyn.diagnose.progress import check
 from flexdyn.effects import ChannelLag, CommandDelay
 
@@ -35,7 +36,7 @@ class Scan:
     def _tabled(self) -> None:
         """Grid points as tables of columns, one for each width."""
         candidates = self.space.candidates
-        self.size = self.space.used
+        self.size = self.space.matrix.used
         self.owner: list[tuple[int, int]] = []
         self.tables = []
         for width in sorted({each.width for each in candidates}):
@@ -74,7 +75,7 @@ class Scan:
 
     def additions(self, structure: Structure) -> list[tuple[float, tuple[int, int]]]:
         """Log posterior that the best grid point of each candidate would gain, best first."""
-        if self.size != self.space.used:
+        if self.size != self.space.matrix.used:
             self._tabled()
         gain = self.space.gram.additions(self.space.columns(structure), self.tables) + self.grid
         counts = np.zeros(len(self.kinds))

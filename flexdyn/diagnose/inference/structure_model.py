@@ -46,7 +46,7 @@ def hypothesis_of(space: Space, structure: Structure, *, whole: bool = False) ->
             effects.append(_moved(candidate.stands, dict(zip(candidate.tangents, steps, strict=True))))
         elif whole or not waits(space, c):
             x = np.array([value[int(k)] for k in candidate.columns[p]])
-            x = np.where(space.prior.positive[candidate.columns[p]], np.maximum(x, 0.0), x)
+            x = np.where(space.matrix.prior.positive[candidate.columns[p]], np.maximum(x, 0.0), x)
             effect = candidate.effect(p, x)
             if effect is not None and not effect.is_neutral:
                 effects.append(effect)

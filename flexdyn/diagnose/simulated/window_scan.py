@@ -64,7 +64,7 @@ def promising(here: WindowFit, space: Space, structure: Structure, responses: Re
     X, precision = regression.X[:, seen], regression.sigma[seen] ** -2.0
     root = lower_factor(X.T @ X + np.diag(precision))
     right = precision * regression.centre[seen] - X.T @ regression.y
-    prior, found, before = space.prior, [], space.log_volume(structure)
+    prior, found, before = space.matrix.prior, [], space.log_volume(structure)
     for _, (c, p) in Scan(space).additions(structure):
         check()
         with contextlib.suppress(FlexdynError):
@@ -115,7 +115,7 @@ def _responses(here: WindowFit, space: Space, c: int, p: int) -> tuple[Array, ..
     """Derivatives of the residual by a candidate's linear numbers (windows, rows, channels) each; none: no effect."""
     candidate, hypothesis = space.candidates[c], here.made.hypothesis
     fixed = candidate.proposal is not None and candidate.proposal.fixed
-    step = np.ones(1) if fixed else SCALED_STEP / np.sqrt(space.prior.precision[candidate.columns[p]])
+    step = np.ones(1) if fixed else SCALED_STEP / np.sqrt(space.matrix.prior.precision[candidate.columns[p]])
     found = []
     for row in np.diag(step):
         effect = candidate.effect(p, row)

@@ -1,0 +1,161 @@
+"""The columns of one number of the file, or of one effect at its grid points, with the priors of their coefficients."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
+from flexdyn.diagnose.inference.candidate import Column
+from flexdyn.diagnose.inference.catalogue import columns_of
+from flexdyn.diagnose.inference.priors import (
+    EFFECT_TORQUE_SHARE,
+    FIXED_SIZE_WIDTH,
+    FREED_TOLERANCES,
+    FREED_WIDTH,
+    SMALLEST_TORQUE_SHARE,
+)
+from flexdyn.diagnose.inference.sizes import Sizes
+from flexdyn.diagnose.lazy import lazy
+from flexdyn.effects import Effect, TorqueConstantError, registered
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ColumnMaker:
+    """Makes the columns of candidates.
+
+    Attributes:
+        equations: of the start.
+        whiten: rows by the sensors' noise.
+        start: the file's numbers where they stand, and the effects that were found.
+        numbers: whitened columns of the file's numbers (rows, numbers).
+        offsets: whitened columns of the encoders' offsets (rows, channels).
+        offset_std: of their priors (channels,).
+        proposals: of effects that the model does not hold yet.
+        noise: of the channels.
+        mask: rows that say nothing (rows,).
+        first: the same at the model as given, whose torques scale the priors; None: this one.
+    """
+
+    equations: Equations
+    whiten: Whitener
+    start: Hypothesis
+    numbers: Array
+    offsets: Array
+    offset_std: Array
+    proposals: tuple[Proposal, ...]
+    noise: SampleNoise
+    mask: NDArray[np.bool_]
+    first: ColumnMaker | None = None
+
+    @lazy
+    def sizes(self) -> Sizes:
+        """How large effects are here."""
+        return Sizes(self.equations, self.noise, self.mask)
+
+    def always(self) -> Column:
+        """The file's numbers, within their tolerance, and offsets of the encoders."""
+        names = tuple(self.start.factors)
+        centre = 1.0 - np.array(list(self.start.factors.values()))
+        std = np.concatenate([[max(n.tolerance, 1e-9) for n in names], self.offset_std])
+        mean = np.concatenate([centre, np.zeros(len(self.offset_std))])
+        return Column.of(np.concatenate([self.numbers, self.offsets], axis=1), self.many, std, mean)
+
+    @property
+    def many(self) -> int:
+        """Equations."""
+        return len(self.equations.kinds)
+
+    def freed(self, k: int) -> Column:
+        """One number of the file, not held by its tolerance."""
+        tolerance = list(self.start.factors)[k].tolerance
+        std = FREED_WIDTH if tolerance < FREED_WIDTH else FREED_TOLERANCES * tolerance
+        return Column.of(self.numbers[:, [k]], self.many, np.array([std]), size=np.ones(1))
+
+    def columns(self, proposal: Proposal, point: Point) -> Column | None:
+        """Of a proposal at a grid point; None where it does nothing there, or nothing finite."""
+        width, times = len(proposal.units(point)), self.mask.size // self.many
+        return self.of_points(proposal, (point,), np.empty((self.many, width, times), np.float32))[0]
+
+    def of_points(
+        self, proposal: Proposal, points: Sequence[Point], white: NDArray[np.float32], kept: int | None = None
+    ) -> list[Column | None]:
+        """Of a proposal at several grid points: rows of many columns are made white at once.
+
+        Args:
+            proposal: of which.
+            points: of its grid.
+            white: takes the rows (equations, columns of all points, rows of an equation).
+            kept: where in `Products.X` that is; None: nowhere.
+        """
+        raw = [columns_of(self.equations, proposal, point) for point in points]
+        self.whiten.apart(np.concatenate(raw), white)
+        ends, found = np.cumsum([0, *(len(each) for each in raw)]).tolist(), []
+        for point, each, (first, last) in zip(points, raw, itertools.pairwise(ends), strict=True):
+            column = self._column(proposal, point, each, white[:, first:last])
+            if column is None:
+                white[:, first:last] = 0.0
+            elif kept is not None:
+                column = dataclasses.replace(column, kept=kept + first)
+            found.append(column)
+        return found
+
+    def _column(self, proposal: Proposal, point: Point, raw: Array, white: NDArray[np.float32]) -> Column | None:
+        sizes, width = self.sizes, len(raw)
+        largest = np.maximum(sizes.largest(raw), [sizes.carried(*unit) for unit in proposal.units(point)])
+        if not np.isfinite(largest).all() or (largest == 0.0).any() or not white.any(axis=(0, 2)).all():
+            return None
+        if proposal.fixed:
+            cost = sum(sizes.log_jacobian(effect) for effect, _ in proposal.units(point))
+            return Column(white, np.full(width, FIXED_SIZE_WIDTH), np.ones(width), np.ones(width, bool), largest, cost)
+        scale = EFFECT_TORQUE_SHARE / np.maximum(largest, self._given_size(proposal, point, largest))
+        scale = np.array([natural_spread(proposal.place["effect"], float(each)) for each in scale])
+        signs = np.array([*proposal.positive, *[False] * width][:width])
+        gained = sizes.rows_of(proposal.place["joint"]) if proposal.place["effect"] == TorqueConstantError.name else 0
+        least = max(SMALLEST_TORQUE_SHARE, sizes.resolution(proposal.place) * float(largest.max()))
+        return Column(white, scale, np.zeros(width), signs, largest, gained=gained, smallest=least)
+
+    def gear_ratio(self, proposal: Proposal) -> float:
+        """Gear ratio of the joint that a proposal is about."""
+        joints = self.equations.true.joints
+        return abs(float(joints[proposal.joint].gear_ratio)) if proposal.joint in joints else 1.0
+
+    def _given_size(self, proposal: Proposal, point: Point, else_: Array) -> Array:
+        """Largest shares of a proposal's columns in the model as given (width,)."""
+        if self.first is None:
+            self.given_sizes[(tuple(sorted(proposal.place.items())), point)] = else_
+            return else_
+        return self.first.given_sizes.get((tuple(sorted(proposal.place.items())), point), else_)
+
+    @lazy
+    def given_sizes(self) -> dict[tuple[object, ...], Array]:
+        """Largest shares of the columns made so far."""
+        return {}
+
+    def alone(self, effect: Effect) -> Self:
+        """The same at the same numbers and no effect but one."""
+        there = dataclasses.replace(self.start, effects=(effect,))
+        return dataclasses.replace(self, equations=self.equations.of(there.model()), start=there)
+
+
+def natural_spread(kind: str, of_drive: float) -> float:
+    """Prior standard deviation of an effect's size: of the drive's torque, or by its nature if that is less.
+
+    Errors of positions are as large as assembly makes them, however stiff the spring is on which they pull.
+    """
+    law = registered()[kind]
+    if law.stage in ("sensor", "deflection") and math.isfinite(law.natural_size):
+        return law.natural_size
+    return min(of_drive, law.natural_size)

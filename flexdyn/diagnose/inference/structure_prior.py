@@ -1,0 +1,52 @@
+"""What is believed of drives before any data: how many joints have an effect, and which harmonics are likely."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from scipy.special import betaln
+
+from flexdyn.diagnose.inference.candidate import Candidate
+from flexdyn.diagnose.inference.priors import EVERY_MOTOR
+from flexdyn.effects import Effect, registered
+
+PLACE_BETA = (0.3, 6.0)
+"""Beta prior of the share of places that have an effect: odds of 1 to 20 for a single place, better if other places
+have it already.
+
+So an effect of many joints costs less than single effects (Scott and Berger, 2010).
+"""
+UBIQUITOUS_BETA, PLAIN_BETA = (6.0, 0.3), (1.0, 1.0)
+"""The same of friction that every motor has, where the file has none: odds of some 20 to 1; and of the same friction on
+links: any share of the places is as likely as any other."""
+WHOLE_NUMBER_LOG_ODDS = 5.0
+"""Log odds of a harmonic that is a whole number, or a whole number of motor turns, to one that is not."""
+
+
+def odds_of(group: str) -> tuple[float, float]:
+    """Beta prior of the share of places at which effects of a group are."""
+    if group.startswith(EVERY_MOTOR):
+        return UBIQUITOUS_BETA
+    return PLAIN_BETA if registered().get(group, Effect).prevalence == "everywhere" else PLACE_BETA
+
+
+def log_places(chosen: Counter[str], places: Counter[str]) -> float:
+    """Log prior of which laws are where: ``log B(m + a, n - m + b) - log B(a, n + b)`` for m of n places of a kind.
+
+    Args:
+        chosen: places of a structure, by group.
+        places: places of all candidates, by group.
+    """
+    total = 0.0
+    for kind, m in chosen.items():
+        n, (a, b) = places[kind], odds_of(kind)
+        total += float(betaln(m + a, n - m + b) - betaln(a, n + b))
+    return total
+
+
+def log_harmonic(candidate: Candidate, p: int) -> float:
+    """Log prior of a grid point that is a harmonic, if it is one; of an effect that stands nothing is asked."""
+    if "harmonic" not in candidate.names or candidate.stands is not None:
+        return 0.0
+    harmonic = candidate.points[p][0]
+    return 0.0 if harmonic in candidate.natural(harmonic) else -WHOLE_NUMBER_LOG_ODDS
