@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from tests.diagnose import report_checks as checks
-from tests.diagnose.report_checks import LIKELY, STRENGTH
+from tests.diagnose import report_evidence_checks as evidence
+from tests.diagnose import report_other_checks as other
+from tests.diagnose import report_verdict_checks as verdict
+from tests.diagnose.report_told import LIKELY, STRENGTH
 
 P = r"(above 0\.999|below 0\.001|[\d.]+|unknown)"
 X = r"(-?[\d. ]*\d|-?beyond measure|unknown)"
@@ -13,62 +15,62 @@ E = r"(-?[\d.]+(?:e[+-]?\d+)?|beyond measure|unknown)"
 
 CLAIMS: tuple[tuple[str, Any], ...] = (
     (r"Model and measurement agree: what is left between them is noise"
-     r"(?:, after (\d+) numbers? of the model ha(?:s|ve) moved within tolerance)?\.", checks.agreement),
+     r"(?:, after (\d+) numbers? of the model ha(?:s|ve) moved within tolerance)?\.", verdict.agreement),
     (rf"(?:The|Part of the) disagreement has (\d+) causes; the largest is (.+?) \((?:together )?probability {P}\)",
-     checks.many_causes),
-    (r"(?:The|Part of the) disagreement is explained by (.+?\))(?=[;.])", checks.few_causes),
-    (r"; what is left is noise\.", checks.only_noise_is_left),
+     verdict.many_causes),
+    (r"(?:The|Part of the) disagreement is explained by (.+?\))(?=[;.])", verdict.few_causes),
+    (r"; what is left is noise\.", verdict.only_noise_is_left),
     (r"No established effect accounts for what is left: (at most )?([\d.]+) % of the torque of (\S+?)"
-     r"(?:; it changes with (.+?))?\.", checks.left),
-    (r"Something is left that no established effect accounts for\.", checks.something_left),
+     r"(?:; it changes with (.+?))?\.", verdict.left),
+    (r"Something is left that no established effect accounts for\.", verdict.something_left),
     (r"Above: .+?\. Below, if it is .+?: what a model with .+? leaves unexplained after its numbers are fitted again,"
      r" in units of noise; shaded: two standard deviations\. Over the whole motion it adds up to (\d+) times the"
      r" noise\.",
-     checks.planned),
+     other.planned),
     (rf"Model and measurement disagree, and no effect is established as the cause"
-     rf"(?:: the most probable, (.+?), has probability {P}, and 0\.95 is required)?\.", checks.not_established),
-    (r"The residual is largest (.+?)\.", checks.appears),
-    (r"((?:These estimates|This estimate) stopped before .+? converged: .+?\.)", checks.unconverged),
+     rf"(?:: the most probable, (.+?), has probability {P}, and 0\.95 is required)?\.", verdict.not_established),
+    (r"The residual is largest (.+?)\.", verdict.appears),
+    (r"((?:These estimates|This estimate) stopped before .+? converged: .+?\.)", verdict.unconverged),
     (r"The report claims only what has converged: (?:no effect is established|(.+?\)))\.",
-     checks.beyond_convergence),
-    (r"This diagnosis was interrupted(?: while (.+?),)? before it was finished\.", checks.interrupted),
-    (r"Established by then: (.+?\)(?: and \d+ more)?)\.", checks.by_then),
+     verdict.beyond_convergence),
+    (r"This diagnosis was interrupted(?: while (.+?),)? before it was finished\.", verdict.interrupted),
+    (r"Established by then: (.+?\)(?: and \d+ more)?)\.", verdict.by_then),
     (r"No effect had been established by then(?:; the most probable so far was (.+?))?\.",
-     checks.nothing_by_then),
-    (r"The test data had not been opened\.", checks.unopened),
-    (rf"^(.+): (each )?({'|'.join(LIKELY)}) \((?:together )?probability {P}(?: or more)?\)\.$", checks.finding),
-    (rf"On the (test data|data of the fit), the gap goes from {X} to {X}; noise alone makes {X}\.", checks.gap),
-    (r"The gap (was not|could not be) measured\.", checks.no_gap),
+     verdict.nothing_by_then),
+    (r"The test data had not been opened\.", verdict.unopened),
+    (rf"^(.+): (each )?({'|'.join(LIKELY)}) \((?:together )?probability {P}(?: or more)?\)\.$", verdict.finding),
+    (rf"On the (test data|data of the fit), the gap goes from {X} to {X}; noise alone makes {X}\.", verdict.gap),
+    (r"The gap (was not|could not be) measured\.", verdict.no_gap),
     (rf"At (\S+?)(, the joint with the greatest share before,)? the torque error goes from {E} to {E} (.+?), from"
-     rf" {X} % to {X} % of its torque\.", checks.worst),
+     rf" {X} % to {X} % of its torque\.", verdict.worst),
     (rf"Posterior probability {P}( that one of these names is right)?: ({'|'.join(LIKELY)})"
-     r"(, not established: 0\.95 is required)?\.", checks.probability),
+     r"(, not established: 0\.95 is required)?\.", evidence.probability),
     (rf"The best structure with it against the best without it: log Bayes factor {X}"
-     rf" \(({'|'.join(STRENGTH)}) evidence( against it)?\)\.", checks.bayes),
-    (rf"If it alone is left out, {X} % of the improvement on the test data is lost\.", checks.lost),
-    (rf"If it alone is left out, the improvement on the test data grows by {X} %\.", checks.grown),
-    (r"Every one of the (\d+) ranked structures holds (?:it|one of these names)\.", checks.every_one),
-    (r"None of the (\d+) ranked structures holds (?:it|one of these names)\.", checks.none_of),
-    (r"(\d+) of the (\d+) ranked structures hold (?:it|one of these names)\.", checks.some_of),
+     rf" \(({'|'.join(STRENGTH)}) evidence( against it)?\)\.", evidence.bayes),
+    (rf"If it alone is left out, {X} % of the improvement on the test data is lost\.", evidence.lost),
+    (rf"If it alone is left out, the improvement on the test data grows by {X} %\.", evidence.grown),
+    (r"Every one of the (\d+) ranked structures holds (?:it|one of these names)\.", evidence.every_one),
+    (r"None of the (\d+) ranked structures holds (?:it|one of these names)\.", evidence.none_of),
+    (r"(\d+) of the (\d+) ranked structures hold (?:it|one of these names)\.", evidence.some_of),
     (rf"The best one without (?:it|them) has (.+?) instead; its log evidence is (lower|higher) by {X}, its probability"
-     rf" {P}\.", checks.without_it),
-    (r"These data do not tell which of these it is:", checks.rivals),
-    (rf"^(.+?)(?: \((.+)\))?: probability {P}$", checks.rival),
-    (rf"Noise alone leaves {X} %\.", checks.noise_leaves),
-    (rf"dashed: noise alone, {X}", checks.dashed),
-    (r"They moved by no more than (\d) of their stated tolerances, so they are no findings\.", checks.within_tolerance),
+     rf" {P}\.", evidence.without_it),
+    (r"These data do not tell which of these it is:", evidence.rivals),
+    (rf"^(.+?)(?: \((.+)\))?: probability {P}$", evidence.rival),
+    (rf"Noise alone leaves {X} %\.", other.noise_leaves),
+    (rf"dashed: noise alone, {X}", other.dashed),
+    (r"They moved by no more than (\d) of their stated tolerances, so they are no findings\.", other.within_tolerance),
     (r"(\d+) numbers? moved by more than (\d) of the stated tolerances but is no finding: what is left"
-     r" unexplained may have changed it\.", checks.beyond_tolerance),
-    (r"Nothing beyond what is said above\.", checks.nothing_to_note),
-    (r"Nothing: no finding waits for another measurement\.", checks.nothing_to_measure),
+     r" unexplained may have changed it\.", other.beyond_tolerance),
+    (r"Nothing beyond what is said above\.", other.nothing_to_note),
+    (r"Nothing: no finding waits for another measurement\.", other.nothing_to_measure),
     (r"More motion of (\S+)(?: \((.+?)\))?, slower, with the other joints at rest: a law that the catalogue lacks is"
-     r" seen best where nothing else moves\.", checks.more_motion),
-    (r"The same motion again: a residual that does not repeat is no law of the arm's state\.", checks.once_more),
+     r" seen best where nothing else moves\.", other.more_motion),
+    (r"The same motion again: a residual that does not repeat is no law of the arm's state\.", other.once_more),
     (r"A second recording of another motion, to test the answer on data that no decision has used\.",
-     checks.second_recording),
-    (r"Run the diagnosis to its end: it needs no new measurement\.", checks.to_its_end),
-    (r"The diagnosis took (\d+) s\.", checks.took),
-    (r"^flexdyn (\S+), \S+ \S+: (.+)$", checks.done),
+     other.second_recording),
+    (r"Run the diagnosis to its end: it needs no new measurement\.", other.to_its_end),
+    (r"The diagnosis took (\d+) s\.", other.took),
+    (r"^flexdyn (\S+), \S+ \S+: (.+)$", other.done),
 )  # fmt: skip
 CONSTANT = (
     r"^INTERRUPTED$",
