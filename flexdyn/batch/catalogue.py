@@ -9,9 +9,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from flexdyn.arrays import Array
 from flexdyn.batch.aim import Aim, aim_of_run
 from flexdyn.batch.motion import RunsMotion, lengths
-from flexdyn.checks import Array
 from flexdyn.errors import FlexdynError, InputError
 from flexdyn.simulation.energy import EnergyWarning
 from flexdyn.simulation.run import Run

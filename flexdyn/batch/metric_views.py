@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
+from flexdyn.arrays import Array
 from flexdyn.batch.summary import Sensitivity, sensitivity
-from flexdyn.checks import Array
 from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK
 from flexdyn.plots.panel import Curve, Panel, limits, short

@@ -9,8 +9,8 @@ from typing import Self
 
 import numpy as np
 
+from flexdyn.arrays import Array
 from flexdyn.batch.aim import Aim
-from flexdyn.checks import Array
 from flexdyn.robot import Robot, frame_positions
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.run import Run

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Indices
 from flexdyn.batch.extract import Extracted, extract
 from flexdyn.batch.layout import DONE, NOT_DONE
 from flexdyn.batch.store import open_store
 from flexdyn.batch.study import Study
 from flexdyn.batch.summary import Summary, metric_summary, parameter_summary, reasons_of
-from flexdyn.checks import Array
 from flexdyn.errors import InputError, needed, visible
 from flexdyn.io.notebook import Public, card, table
 
@@ -102,7 +102,7 @@ class Results(Public):
         return int((self.status == NOT_DONE).sum())
 
     @cached_property
-    def complete(self) -> NDArray[np.intp]:
+    def complete(self) -> Indices:
         """Runs that have their channels."""
         there = self.status != NOT_DONE
         there[list(self.failed)] = False
@@ -187,7 +187,7 @@ class Results(Public):
         """
         return extract(self.study, k, Path(folder))
 
-    def blocks(self, channel: str, instants: NDArray[np.intp]) -> Iterator[Array]:
+    def blocks(self, channel: str, instants: Indices) -> Iterator[Array]:
         """A channel of all runs that have it, in blocks of runs.
 
         Args:

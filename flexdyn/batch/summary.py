@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 
 FIFTH = 0.2
 SUMMARY_QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)

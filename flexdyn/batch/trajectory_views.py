@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Indices
 from flexdyn.batch.results import Results
-from flexdyn.checks import Array
 from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK, blend, hue
 from flexdyn.plots.panel import Curve, Key, Panel, limits, short
@@ -61,7 +61,7 @@ def trajectories(results: Results, channels: Sequence[str], notes: list[str]) ->
     return [Block(rows, (1.8,) * len(rows), width)]
 
 
-def _panels(results: Results, channel: str, instants: NDArray[np.intp]) -> list[Panel]:
+def _panels(results: Results, channel: str, instants: Indices) -> list[Panel]:
     found = quantiles(lambda: results.blocks(channel, instants), len(results.complete), tuple(LINES))
     t, unit = results.times[instants], results.unit(channel)
     return [_panel(t, found[:, :, j], f"{channel}.{joint}", unit, hue(j)) for j, joint in enumerate(results.joints)]

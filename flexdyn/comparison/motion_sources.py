@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Indices
 from flexdyn.errors import InputError, printable
 from flexdyn.records import Recording
 from flexdyn.records.given import as_recording
@@ -102,7 +102,7 @@ def unit_in(sources: Sequence[MotionSource], channel: str) -> str:
     return next(iter(stated), "") or having[0].recording.unit(channel)
 
 
-def windowed(source: MotionSource, start: float | None, end: float | None) -> NDArray[np.intp]:
+def windowed(source: MotionSource, start: float | None, end: float | None) -> Indices:
     """Indices of the samples in a window of time.
 
     Args:

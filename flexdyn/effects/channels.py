@@ -9,7 +9,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 from flexdyn.effects.base import Effect
 from flexdyn.effects.sensor import ChannelLag, EncoderEccentricity, SensorEffect, SensorGain, SensorOffset
 

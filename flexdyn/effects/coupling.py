@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 from flexdyn.effects.base import JointEffect, parameter
 from flexdyn.errors import InputError
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn import _core
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 from flexdyn.effects.base import JointEffect
 
 

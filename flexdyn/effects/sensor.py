@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 from flexdyn.effects.base import Effect, Side, Stage, parameter
 from flexdyn.effects.extent import MotionExtent
 from flexdyn.effects.waves import WaveEffect

@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 from flexdyn.effects.base import JointEffect, Stage, parameter, spaced
 from flexdyn.effects.extent import MotionExtent
 from flexdyn.effects.memory import MemoryEffect

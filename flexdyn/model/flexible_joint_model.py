@@ -9,9 +9,8 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array, Flags, Indices
 from flexdyn.effects import CoulombFriction, Effect, JointElasticity, ParameterError, ViscousFriction
 from flexdyn.effects.motor import MotorLaw
 from flexdyn.errors import InputError, visible
@@ -195,12 +194,12 @@ class FlexibleJointModel(Public):
         return lock(self._numbers("reflected_inertia"))
 
     @cached_property
-    def elastic(self) -> NDArray[np.bool_]:
+    def elastic(self) -> Flags:
         """Which joints have a finite stiffness (n,)."""
         return lock(np.isfinite(self.stiffness))
 
     @cached_property
-    def rotor_places(self) -> NDArray[np.intp]:
+    def rotor_places(self) -> Indices:
         """Where each joint's rotor stands in [q, theta of the elastic joints] (n,); that of a rigid joint at its q."""
         return lock(np.where(self.elastic, self.n + np.cumsum(self.elastic) - 1, np.arange(self.n)))
 

@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Indices
 from flexdyn.checks import check_known
 from flexdyn.comparison.difference import common_rows
 from flexdyn.comparison.motion_sources import MotionSource, as_sources, unit_in, windowed
@@ -67,7 +67,7 @@ class PlotScene:
         return tuple(dict.fromkeys(joint for source in self.sources for joint in source.joints))
 
     @cached_property
-    def rows(self) -> tuple[NDArray[np.intp], ...]:
+    def rows(self) -> tuple[Indices, ...]:
         """Samples of each motion in the window."""
         return tuple(windowed(source, self.start, self.end) for source in self.sources)
 

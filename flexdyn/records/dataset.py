@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError, needed
 from flexdyn.records.meta import as_json, from_json
 from flexdyn.records.recording import Recording

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError, needed
 from flexdyn.records.bounds import check_count, check_size
 from flexdyn.records.meta import as_json, from_json

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array, Indices
 from flexdyn.errors import FlexdynError, InputError
 from flexdyn.records.bounds import MOST_SAMPLES, check_count
 from flexdyn.records.suggestion import remedy_without_time
@@ -34,9 +34,9 @@ class Rows:
 
     word: str = "row"
     first: int = 0
-    kept: npt.NDArray[np.intp] | None = None
+    kept: Indices | None = None
 
-    def taken(self, order: npt.NDArray[np.intp]) -> Rows:
+    def taken(self, order: Indices) -> Rows:
         """The numbering for a selection of rows, in that order."""
         return Rows(self.word, self.first, order if self.kept is None else self.kept[order])
 

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array, Flags
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked, locked_copy
 from flexdyn.robot.mimic import Mimic
@@ -67,7 +67,7 @@ class Tree(Locked):
     """
 
     parent: NDArray[np.int32]
-    prismatic: NDArray[np.bool_]
+    prismatic: Flags
     axis: Array
     rotation: Array
     translation: Array

@@ -7,10 +7,10 @@ from dataclasses import fields, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexdyn import _core
-from flexdyn.arrays import Array
+from flexdyn.arrays import Array, Flags
 from flexdyn.effects import Effect, Payload
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -153,7 +153,7 @@ def _arrays(tree: Tree) -> dict[str, Array]:
     return {name: np.ascontiguousarray(getattr(tree, name), dtype=float) for name in names}
 
 
-def moves_inertia(links: _core.LinkDynamics, q: Array) -> NDArray[np.bool_]:
+def moves_inertia(links: _core.LinkDynamics, q: Array) -> Flags:
     """Whether every joint moves an inertia at positions q (rows, n), so that M(q) is regular (rows,)."""
     least = np.empty(len(q))
     links.least_inertia(q, least)

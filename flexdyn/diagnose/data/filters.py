@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn import _core
-from flexdyn.arrays import Array
+from flexdyn.arrays import Array, Indices
 from flexdyn.records.signals.kernels import GaussianSmoother
 
 FIRST_FILTER_WIDTH = 0.00125
@@ -63,6 +62,6 @@ class Filters:
         """
         return round(0.6 * (passes * self.first.half + self.second.half))
 
-    def instants(self, samples: int) -> NDArray[np.intp]:
+    def instants(self, samples: int) -> Indices:
         """Samples after the first filter to which the rows belong."""
         return self.second.half + self.every * np.arange(self.count(samples))

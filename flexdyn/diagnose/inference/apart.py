@@ -14,9 +14,9 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_solve
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.gram import lower_factor
@@ -24,8 +24,6 @@ from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.torque_shares import torque_share
 from flexdyn.effects import Effect
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
 CHANCE_ROOM, NOISE_LEVEL_ERROR = 5.0, 0.05
 """Standard deviations of a sum of squares that count as chance, and relative uncertainty of the noise level [1]."""
 EVERYWHERE, OFTEN, SELDOM = 100.0, 15.0, 0.3

@@ -6,10 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from flexdyn.arrays import Array, Flags, Indices
+
 MOST_ORDER = 12
 """Order of an autoregression at most; the order is chosen below it by BIC. Twelve rows are some 0.1 s."""
 
@@ -32,7 +31,7 @@ class Autoregression:
         return len(self.scale) - 1
 
     @classmethod
-    def of(cls, series: Array, runs: NDArray[np.intp], most: int = MOST_ORDER) -> Autoregression:
+    def of(cls, series: Array, runs: Indices, most: int = MOST_ORDER) -> Autoregression:
         """Estimate by Burg's method over the runs of rows that say something.
 
         Args:
@@ -65,7 +64,7 @@ class Autoregression:
         scale = np.sqrt(np.maximum(variances[: best + 1], 1.0))
         return cls(table[: best + 1, :best], scale)
 
-    def innovations(self, rows: Array, runs: NDArray[np.intp]) -> Array:
+    def innovations(self, rows: Array, runs: Indices) -> Array:
         """Innovations of unit variance (rows, columns); zero where a row says nothing."""
         back = np.clip(runs, 0, self.order)
         white = rows.copy()
@@ -76,7 +75,7 @@ class Autoregression:
         return white
 
 
-def runs_of(mask: Flags, times: list[int], many: int) -> NDArray[np.intp]:
+def runs_of(mask: Flags, times: list[int], many: int) -> Indices:
     """Rows in line before each row, by equation (rows of an equation, equations).
 
     Args:

@@ -8,13 +8,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags, Indices
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.priors import EVERY_MOTOR, SMALLEST_TORQUE_SHARE
 from flexdyn.effects import Effect, registered
 from flexdyn.model.uncertain_parameters import FileNumber
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 
 @dataclass(eq=False)
@@ -102,7 +100,7 @@ class Column:
     apart: NDArray[np.float32]
     std: Array
     mean: Array
-    positive: NDArray[np.bool_]
+    positive: Flags
     size: Array
     log_jacobian: float = 0.0
     gained: int = 0

@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Indices
 from flexdyn.diagnose.hypothesis.proposal import Point
 from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Seen
@@ -15,8 +15,6 @@ from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE
 from flexdyn.diagnose.inference.products import Products
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
 NEGLIGIBLE_SHARE = 3e-3
 """Standard deviation of a negligible effect over that of a real one [1]: 0.1 % of the joint's torque."""
 SPARE_COLUMNS = 400

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
@@ -16,7 +16,6 @@ from flexdyn.diagnose.hypothesis.proposal import Point, Proposal, declared, exte
 from flexdyn.diagnose.hypothesis.proposals import proposals
 from flexdyn.effects import ChannelLag, Effect, JointEffect, catalogue
 
-Array = NDArray[np.float64]
 DELAYS = (0.0005, 0.001, 0.002, 0.004, 0.008)
 """Grid of delays of channels [s]: a sample of a fast drive to that of a slow bus."""
 

@@ -12,6 +12,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
@@ -28,8 +29,6 @@ from flexdyn.diagnose.inference.priors import (
 from flexdyn.diagnose.inference.sizes import Sizes
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import Effect, TorqueConstantError, registered
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +56,7 @@ class ColumnMaker:
     offset_std: Array
     proposals: tuple[Proposal, ...]
     noise: SampleNoise
-    mask: NDArray[np.bool_]
+    mask: Flags
     first: ColumnMaker | None = None
 
     @lazy

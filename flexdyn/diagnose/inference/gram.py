@@ -14,14 +14,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_solve, cholesky, solve_triangular
 from scipy.special import log_ndtr
 
+from flexdyn.arrays import Array, Flags, Indices
 from flexdyn.diagnose.inference.products import Products
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
 NEGATIVE_SIGMAS = 4.0
 """A positive coefficient is rejected if its estimate is below zero by more than this number of standard deviations."""
 
@@ -38,7 +36,7 @@ class Prior:
 
     precision: Array
     mean: Array
-    positive: NDArray[np.bool_]
+    positive: Flags
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +192,7 @@ class Gram:
         return added_evidence(S, c, lam, mu, self.prior.positive[table])[0]
 
 
-def added_evidence(S: Array, c: Array, lam: Array, mu: Array, bounded: NDArray[np.bool_]) -> tuple[Array, Array]:
+def added_evidence(S: Array, c: Array, lam: Array, mu: Array, bounded: Flags) -> tuple[Array, Array]:
     """What groups of columns add to the log marginal likelihood, and their coefficients.
 
     Args:

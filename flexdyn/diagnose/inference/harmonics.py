@@ -6,15 +6,14 @@ import dataclasses
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Indices
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, SENSOR
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.inference.autoregression import Autoregression
 from flexdyn.effects import registered
 
-Array = NDArray[np.float64]
 HIGHEST_HARMONIC = 200.0
 """Harmonics that are looked for, at most [cycles per turn]."""
 SPECTRUM_PEAKS = 4
@@ -25,7 +24,7 @@ HARMONIC_SPACING = 0.125
 """Between harmonics that are tried around a peak, as a share of the spectrum's resolution."""
 
 
-def peaks(equations: Equations, left: Array, runs: NDArray[np.intp], row: int, signal: str) -> list[float]:
+def peaks(equations: Equations, left: Array, runs: Indices, row: int, signal: str) -> list[float]:
     """The harmonics at the highest peaks of one equation's residual over its joint's position.
 
     The filters weaken a wave of h cycles that passes at speed u by ``exp(-(h u s)^2/2)``, s their standard deviation.
@@ -87,7 +86,7 @@ def _filter(equations: Equations) -> float:
     return float(np.sqrt(sum(variances))) * dt
 
 
-def with_harmonics(equations: Equations, known: list[Proposal], runs: NDArray[np.intp]) -> list[Proposal]:
+def with_harmonics(equations: Equations, known: list[Proposal], runs: Indices) -> list[Proposal]:
     """Proposals of waves at the harmonics that the residual holds."""
     many = len(equations.kinds)
     found: dict[str, list[float]] = {}

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Flags
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.estimate import fit
@@ -35,7 +35,6 @@ from flexdyn.diagnose.inference.weights import along_expected, expected, filter_
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
 
-Flags = NDArray[np.bool_]
 MOST_PASSES = 5
 """Linearisations at most."""
 MODEL_ERROR_ROUNDS = 25

@@ -6,10 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
+from flexdyn.arrays import Array, Indices
 
-Array = NDArray[np.float64]
 Columns = NDArray[np.float32]
-Indices = NDArray[np.intp]
 COLUMNS_AT_ONCE = 256
 """Columns that are held in double precision at once."""
 SPARE_ROWS = 64

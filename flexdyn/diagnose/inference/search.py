@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import betaln
 
+from flexdyn.arrays import Indices
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.refinement import refined
@@ -16,7 +16,6 @@ from flexdyn.diagnose.inference.structure_prior import WHOLE_NUMBER_LOG_ODDS, od
 from flexdyn.diagnose.progress import check
 from flexdyn.effects import ChannelLag, CommandDelay
 
-Array = NDArray[np.float64]
 OCCAM_WINDOW = math.log(1000.0)
 """Occam's window: structures less likely than the best by more than this factor are not explored (Madigan, 1994)."""
 STRUCTURES_EXPLORED = 30
@@ -58,7 +57,7 @@ class Scan:
         self.grid[odd] -= WHOLE_NUMBER_LOG_ODDS
         self.kind = np.array([self.kinds.index(candidates[c].group) for c in self.of])
 
-    def _clashing(self) -> list[NDArray[np.intp]]:
+    def _clashing(self) -> list[Indices]:
         """Candidates that may not stand beside each: itself, and laws that contain it or that it contains."""
         candidates = self.space.candidates
         late = {c: signal for c, each in enumerate(candidates) if (signal := _late(each)) is not None}

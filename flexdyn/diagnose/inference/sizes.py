@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import MOTOR, TOTAL, TRANSMISSION
@@ -16,8 +16,6 @@ from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError, registered
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +30,7 @@ class Sizes:
 
     equations: Equations
     noise: SampleNoise
-    mask: NDArray[np.bool_]
+    mask: Flags
 
     @lazy
     def reference(self) -> Array:

@@ -6,9 +6,9 @@ import math
 from collections import Counter
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import log_ndtr
 
+from flexdyn.arrays import Array, Indices
 from flexdyn.diagnose.inference.candidate_matrix import CandidateMatrix
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.gram import NEGATIVE_SIGMAS, Estimate, Gram
@@ -17,8 +17,6 @@ from flexdyn.diagnose.inference.structure_prior import log_harmonic, log_places
 from flexdyn.diagnose.inference.torque_shares import contained, share_apart, torque_share
 from flexdyn.diagnose.lazy import lazy
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
 Structure = frozenset[tuple[int, int]]
 """Candidates that a structure holds, each with its grid point."""
 

@@ -6,13 +6,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Indices
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.gram import Gram
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
 
 
 def torque_share(candidate: Candidate, size: Array, mean: Array) -> float:

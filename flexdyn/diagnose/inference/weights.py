@@ -6,8 +6,8 @@ import dataclasses
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.filters import FIRST_FILTER_WIDTH, Filters
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
@@ -19,10 +19,8 @@ from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.whitening import Tempered
 
-Array = NDArray[np.float64]
 
-
-def quieter(recorded: SampleNoise, at: Equations, mask: NDArray[np.bool_]) -> SampleNoise:
+def quieter(recorded: SampleNoise, at: Equations, mask: Flags) -> SampleNoise:
     """The torque's noise: what the record changes from sample to sample, or what the equations do, whichever is less.
 
     Each contains the whole noise and something else: the changes of the command, or missing effects.
@@ -62,7 +60,7 @@ def expected(work: Workspace) -> float:
 
 
 def for_fit(
-    bare: Unweighted, noise: SampleNoise, mask: NDArray[np.bool_], seen: Seen, there: Hypothesis
+    bare: Unweighted, noise: SampleNoise, mask: Flags, seen: Seen, there: Hypothesis
 ) -> Workspace:  # fmt: skip
     """Weights for the fit of a hypothesis: the sensors' noise and the model error that it leaves.
 
@@ -92,7 +90,7 @@ def tempered(plain: Workspace, error: Discrepancy) -> Workspace:
     )
 
 
-def rows_of(at: Equations, mask: NDArray[np.bool_]) -> Seen:
+def rows_of(at: Equations, mask: Flags) -> Seen:
     """Which rows of the equations say something."""
     lengths = tuple(at.filters.count(len(along.t)) for along in at.motions)
     return Seen(~mask.reshape(-1, len(at.kinds)), lengths)

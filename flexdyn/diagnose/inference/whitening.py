@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.covariance import Whitener
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

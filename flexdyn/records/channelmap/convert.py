@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.records.channelmap.description import Channel, ChannelMap, column_name
 from flexdyn.records.channelmap.known_units import ELECTRICAL, SI, SLIDING, UNITS, Unit, plain_unit

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NoReturn
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.records.csv.dialect import Dialect, is_stamp
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.records.bounds import MOST_COLUMNS, check_size
 from flexdyn.records.hdf5.file import attribute, check_storage, member

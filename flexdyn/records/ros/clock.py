@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 
 NANO = 10**9
 YEAR = 365 * 86400 * NANO

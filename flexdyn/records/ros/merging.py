@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.records.request import Request
 from flexdyn.records.ros.clock import Integers, seconds

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array, Flags
 from flexdyn.errors import InputError
 from flexdyn.records.bounds import check_size
 from flexdyn.records.ros.bag import Bag, Topic
@@ -182,7 +182,7 @@ class Series:
             raise InputError("integers beyond 2^53 are no exact doubles", remedy="leave the column out", channel=name)
         return values
 
-    def _append(self, values: Array, stamps: Integers, keep: npt.NDArray[np.bool_]) -> None:
+    def _append(self, values: Array, stamps: Integers, keep: Flags) -> None:
         if not keep.any():
             return
         end = self.filled + int(keep.sum())

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from rosbags.interfaces import Nodetype
 
+from flexdyn.arrays import Flags, Indices
 from flexdyn.errors import InputError
 
 Path = tuple[str | int, ...]
@@ -55,10 +56,10 @@ class MessageLayout:
 
     numbers: tuple[MessageNumber, ...]
     texts: Mapping[Path, str]
-    fixed: npt.NDArray[np.intp]
+    fixed: Indices
     template: Bytes
 
-    def matches(self, block: Bytes) -> npt.NDArray[np.bool_]:
+    def matches(self, block: Bytes) -> Flags:
         """Whether each message of a block, all of the same length, has this layout."""
         return np.asarray((block[:, self.fixed] == self.template).all(axis=1))
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
-from flexdyn.checks import Array, whole
+from flexdyn.arrays import Array, Indices
+from flexdyn.checks import whole
 from flexdyn.errors import InputError
 from flexdyn.records.signals.cut import made
 from flexdyn.records.signals.gaps import gap_rows
@@ -54,7 +54,7 @@ def decimated(rec: Recording, factor: int) -> Recording:
     return made(rec, columns)
 
 
-def _filtered(values: Array, kept: npt.NDArray[np.intp], factor: int) -> Array:
+def _filtered(values: Array, kept: Indices, factor: int) -> Array:
     from scipy.signal import firwin, resample_poly
 
     taps = firwin(2 * FILTER_REACH * factor + 1, 1.0 / factor, window="hamming")
@@ -63,7 +63,7 @@ def _filtered(values: Array, kept: npt.NDArray[np.intp], factor: int) -> Array:
     return np.asarray(low[kept // factor] + level)
 
 
-def _means(values: Array, kept: npt.NDArray[np.intp], factor: int) -> Array:
+def _means(values: Array, kept: Indices, factor: int) -> Array:
     return np.asarray(values[kept[:, None] + np.arange(factor)].mean(axis=1))
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError, retold
 from flexdyn.io.locked import Locked
 from flexdyn.records.signals.cut import made

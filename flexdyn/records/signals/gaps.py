@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array, Flags, Indices
 from flexdyn.records.notices import RecordingWarning
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def gap_limit(t: Array) -> float:
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def gap_rows(t: Array) -> npt.NDArray[np.intp]:
+def gap_rows(t: Array) -> Indices:
     """Indices of samples that are followed by a gap; none if times do not increase."""
     if len(t) < 3 or not np.isfinite(t).all():
         return np.zeros(0, np.intp)
@@ -54,7 +54,7 @@ def told(t: Array) -> str:
     return f"{count} in the data: {listed}{more}; nothing is filled in there"
 
 
-def in_gaps(t: Array, times: Array) -> npt.NDArray[np.bool_]:
+def in_gaps(t: Array, times: Array) -> Flags:
     """Whether each time is inside a gap of `t`, without its ends."""
     rows = gap_rows(t)
     if not len(rows):
@@ -70,7 +70,7 @@ def to_nearest(t: npt.NDArray[Any], times: npt.NDArray[Any]) -> npt.NDArray[Any]
     return np.asarray(np.minimum(np.abs(times - t[right - 1]), np.abs(times - t[right])))
 
 
-def rows_held(t: Array, times: Array) -> npt.NDArray[np.intp]:
+def rows_held(t: Array, times: Array) -> Indices:
     """The last row of `t` at or before each time; stamps are rounded, so up to a thousandth of a period after it."""
     slack = _SAME * float(np.median(np.diff(t)))
     return np.asarray(np.clip(np.searchsorted(t, times + slack, "right") - 1, 0, None))

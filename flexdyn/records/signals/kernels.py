@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 from flexdyn.io.locked import lock
 
 DIFFERENCE_REACH = 4

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.records.signals.noise_spectrum import Spectrum, clipped, contrasts, spectrum
 from flexdyn.records.signals.reading_noise import held_for, quantisation_step, reading_noise

@@ -6,7 +6,7 @@ from itertools import chain
 
 import numpy as np
 
-from flexdyn.checks import Array
+from flexdyn.arrays import Array
 
 _FEWEST_LEVELS = 5
 _RMS = 0.06
