@@ -71,6 +71,20 @@ def test_a_fit_to_windows_is_never_worse_than_its_start(tmp_path: Path) -> None:
     assert found.shot.log_likelihood == shoot(found.made.hypothesis.seen(), windows, start.shot.x0).log_likelihood
 
 
+def test_a_fit_of_a_wrong_law_ends_where_its_steps_are_small_against_what_is_left(tmp_path: Path) -> None:
+    """Viscous friction in the place of Coulomb friction: no damping leads to noise, and one more fit gains little."""
+    made, windows = _begun(tmp_path, LEVEL)
+    viscous = fd.effects.ViscousFriction("lift", side="link", coefficient=1.0)
+    wrong = fit(dataclasses.replace(made.hypothesis, effects=(viscous,)), made.space, steps=1)
+    found, right = fit_to_windows(WindowFit.of(wrong, windows)), fit_to_windows(WindowFit.of(made, windows))
+    assert found.made.stationary
+    # What separates the windows from noise: about what the right law gains.
+    gained = right.shot.log_likelihood - found.shot.log_likelihood
+    assert found.shot.above_noise == pytest.approx(gained, rel=0.1)
+    assert right.shot.above_noise < 0.01 * gained
+    assert fit_to_windows(found).log_posterior - found.log_posterior < 0.05 * gained
+
+
 def test_innovations_of_the_true_model_have_unit_variance(tmp_path: Path) -> None:
     """Of a free mass, over seeds; a mass that is 5 % off stands out, and its windows are less likely."""
     x, _ = sliding(FORCE, 1.0 / RATE, MASS, 0.0)

@@ -15,6 +15,7 @@ from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import linearised
 from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
+from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.simulated.window_fit import slopes
 from flexdyn.effects import Payload
@@ -91,8 +92,15 @@ class Refit:
 
     def chi2(self, passes: float = 1.0) -> float:
         """Sum of squares of the residuals."""
-        left = self.left(passes)
+        left = self._condensed.left(passes)
         return float(left @ left)
+
+    @lazy
+    def _condensed(self) -> Refit:
+        """The same sums of squares with as many rows of the motion as there are columns, and one more."""
+        R = np.asarray(np.linalg.qr(np.column_stack([self.X, self.y])[: self.rows], mode="r"))
+        X, y = (np.concatenate([new, old[self.rows :]]) for new, old in ((R[:, :-1], self.X), (R[:, -1], self.y)))
+        return Refit(X, y, len(R))
 
 
 def _lengths(X: Array) -> Array:

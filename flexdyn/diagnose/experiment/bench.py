@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -28,8 +27,6 @@ from flexdyn.simulation.simulate import simulate
 from flexdyn.simulation.solver_choice import STIFF
 from flexdyn.simulation.solvers import Rosenbrock, Solver
 
-RUNAWAY_TIME = 20.0
-"""Processor time after which a motion counts as divergent and is stopped [s]: others need a hundredth of it."""
 WINDOWS = 10
 """Largest number of windows of a motion that are used."""
 Pair = tuple[Refit, Refit]
@@ -158,16 +155,8 @@ class RehearsalBench:
 
     def _run(self, truth: int, move: PlannedMotion) -> Run:
         model, command, rate = self.known[truth].hypothesis.seen(), self.command(truth, move), 1.0 / self.reach.dt
-        end = time.process_time() + RUNAWAY_TIME
-
-        def watch(reached: float) -> None:
-            if time.process_time() > end:
-                raise InputError("it runs away", key="t", value=reached)
-
         solver, seconds = _solver(model, move.path, self.reach.dt), command.reference.duration
-        run = simulate(
-            model, command, seconds, solver, q0=move.path[0], theta0="equilibrium", rate=rate, progress=watch
-        )
+        run = simulate(model, command, seconds, solver, q0=move.path[0], theta0="equilibrium", rate=rate)
         if not self.reach.holds(run.q, run.v, run.tau):
             raise InputError("beyond the motions in the recordings", key="motion", value=move.words)
         return run

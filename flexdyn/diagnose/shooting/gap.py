@@ -121,6 +121,11 @@ class Shot:
         return float(-(self._rows * each).sum() - 0.5 * self._filter.log_determinant.sum())
 
     @property
+    def above_noise(self) -> float:
+        """Log likelihood that the windows would gain if no error beyond noise were left [1]."""
+        return float((self._rows * 0.5 * np.log(np.maximum(self.misfit, 1.0))).sum())
+
+    @property
     def left(self) -> float:
         """Mean square of `scaled` over all windows but those that are farthest off [1]: 1 if the model is right.
 

@@ -154,6 +154,10 @@ class Simulated:
         The equations may prefer several candidates to one that they hardly see. No neighbour of these leads there.
         """
         for each in (start, frozenset[tuple[int, int]]()):
+            self.start(each)
+            if each in self.fits and not unlike_noise(self.fits[each].shot):
+                self.fit(each)
+                break  # windows at noise lack nothing
             self.fit(each)
             if each in self.fitted:
                 self.grown(each)

@@ -25,6 +25,8 @@ STEP_SHARES = (1.0, 0.3, 0.1)
 """Shares of a step that are tried."""
 WORTHWHILE_GAIN = 5.0
 """Log posterior that a step must gain for another one [1]."""
+WORTHWHILE_SHARE = 0.05
+"""The same as a share of what separates the windows from noise [1]: steps that gain less do not lead there."""
 
 
 def slopes(here: Hypothesis, shot: Shot, scales: tuple[float, ...]) -> Array:
@@ -77,6 +79,11 @@ class WindowFit:
         weight = np.where(self.shot.failed, 0.0, 1.0 / np.sqrt(np.maximum(self.shot.misfit, 1.0)))
         return np.repeat(weight, count)
 
+    @property
+    def worthwhile(self) -> float:
+        """Log posterior that a step to here must have gained for another one [1]."""
+        return max(WORTHWHILE_GAIN, WORTHWHILE_SHARE * self.shot.above_noise)
+
     @classmethod
     def of(cls, start: Fit, windows: Windows, near: Array | None = None) -> WindowFit:
         """The windows of a fitted hypothesis; near: first states that suited a similar one (windows, nx)."""
@@ -105,6 +112,7 @@ def fit_to_windows(start: WindowFit) -> WindowFit:
 
     ``max  sum_w log p(window w | numbers) + log p(numbers)``: the windows' first states are eliminated by a Kalman
     filter, and each window weighs by the error that it leaves beyond noise (iteratively reweighted least squares).
+    Where steps become small against what is left beyond noise, the hypothesis is wrong, and the fit ends.
     """
     best, J = start, slopes(start.made.hypothesis, start.shot, _scales(start.made.hypothesis))
     for _ in range(WINDOW_FIT_STEPS):
@@ -113,7 +121,7 @@ def fit_to_windows(start: WindowFit) -> WindowFit:
         if after is None:
             return dataclasses.replace(best, made=dataclasses.replace(problem, stationary=True))
         gained, best = after.log_posterior - best.log_posterior, after
-        if gained < WORTHWHILE_GAIN:
+        if gained < best.worthwhile:
             return dataclasses.replace(best, made=dataclasses.replace(_problem(best, J), stationary=True))
         J = slopes(best.made.hypothesis, best.shot, _scales(best.made.hypothesis))
     return dataclasses.replace(best, made=_problem(best, J))
