@@ -1,4 +1,4 @@
-"""Executors do the chunks of a study: native threads of this process, or another class with the same interface."""
+"""Native threads of this process do the chunks of a study; `Dask` has the same methods."""
 
 from __future__ import annotations
 
@@ -7,30 +7,11 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from itertools import islice
 from threading import Event
-from typing import Protocol, Self
+from typing import Self
 
 from flexdyn.batch.chunk import Done, Task
 from flexdyn.checks import whole
 from flexdyn.errors import InputError
-
-
-class Executor(Protocol):
-    """A context manager that does chunks, each once, in any order."""
-
-    def __enter__(self) -> Self:
-        """Start."""
-
-    def __exit__(self, *error: object) -> None:
-        """Stop the chunks in progress, and wait until they have stopped."""
-
-    def run(self, task: Task, chunks: Iterable[int]) -> Iterator[Done]:
-        """Do chunks, and yield each when it is written.
-
-        Args:
-            task: called with the number of a chunk.
-            chunks: their numbers; the next one is started when a worker is free.
-        """
-        ...
 
 
 class Threads:

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.batch.chunk import Task
-from flexdyn.batch.executors import Executor, Threads
+from flexdyn.batch.dask_executor import Dask
+from flexdyn.batch.executors import Threads
 from flexdyn.batch.progress import Meter, Progress
 from flexdyn.batch.results import Results
 from flexdyn.batch.store import Store, create, open_store
@@ -72,7 +73,7 @@ def run_study(
 
 
 def _work(
-    executor: Executor, study: Study, store: Store, chunks: Sequence[int], tell: Callable[[Progress], None]
+    executor: Threads | Dask, study: Study, store: Store, chunks: Sequence[int], tell: Callable[[Progress], None]
 ) -> None:
     meter = Meter(study.count, study.count - sum(len(study.bounds(chunk)) for chunk in chunks))
     tell(meter.now())
@@ -91,14 +92,12 @@ def _study(study: Any) -> Study:
     raise InputError("the path of a study file is needed", key="study", value=study)
 
 
-def _executor(workers: int | None, scheduler: Any) -> Executor:
+def _executor(workers: int | None, scheduler: Any) -> Threads | Dask:
     if scheduler is None:
         return Threads(workers)
     if workers is not None:
         remedy = "a cluster has its own workers: leave one of the two out"
         raise InputError("workers and a scheduler", key="workers", value=workers, remedy=remedy)
-    from flexdyn.batch.dask_executor import Dask
-
     return Dask(scheduler)
 
 

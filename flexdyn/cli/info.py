@@ -226,7 +226,6 @@ def _effects(document: Mapping[str, Any]) -> Any:
         numbers = [f"{key} {number(entry['value'])} {entry['unit']}" for key, entry in effect["parameters"].items()]
         frame = [f"frame {effect['frame']}"] if effect.get("frame") else []
         place = (effect["joint"] or "-", effect["side"] or "-")
-        rows.append((effect["from"], effect["effect"], *place, ", ".join(numbers + frame)))
-        if effect["neutral"]:
-            rows[-1] = (*rows[-1][:-1], f"{rows[-1][-1]} (neutral: it changes nothing)")
+        nothing = " (neutral: it changes nothing)" if effect["neutral"] else ""
+        rows.append((effect["from"], effect["effect"], *place, ", ".join(numbers + frame) + nothing))
     return table("Effects", ("from", "effect", "joint", "side", "parameters"), rows) if rows else "Effects: none"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -11,7 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
-from flexdyn.checks import check_known
+from flexdyn.checks import check_known, number
 from flexdyn.cli import completion
 from flexdyn.errors import InputError
 from flexdyn.io.files import check_suffix
@@ -89,9 +88,7 @@ def decimal(key: str, text: str) -> float:
         value = float(text)
     except ValueError:
         raise InputError("a number is needed", key=key, value=text) from None
-    if not math.isfinite(value):
-        raise InputError("a finite number is needed", key=key, value=value)
-    return value
+    return number(key, value)
 
 
 def span_of(option: str, text: str) -> tuple[float | None, float | None]:

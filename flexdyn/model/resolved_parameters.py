@@ -49,7 +49,8 @@ def folded(
     numbers = {name: joint.values() for name, joint in joints.items()}
     for name, joint in joints.items():
         numbers[name]["actuator"] = None if joint.actuator is None else joint.actuator.held(joint.gear_ratio)
-    true, of_links = list(effects), _of_links(effects)
+    true = list(effects)
+    of_links = factors_of(effects, OF_LINK)  # a link is changed once, as a new robot is made for it
     for i, error in enumerate(effects):
         if not isinstance(error, ParameterError) or error.is_neutral:
             continue
@@ -68,13 +69,18 @@ def folded(
     return robot, numbers, [effect for effect in true if not isinstance(effect, ParameterError | JointElasticity)]
 
 
-def _of_links(effects: Sequence[Effect]) -> dict[str, dict[str, float]]:
-    """Factors by number of every link that has errors: a link is changed once, as a new robot is made for it."""
+def factors_of(effects: Sequence[Effect], words: Mapping[str, str]) -> dict[str, dict[str, float]]:
+    """What errors change numbers by, for every link or joint and its number; several on one number multiply.
+
+    Args:
+        effects: of which the errors are taken.
+        words: the URDF's word for each number that counts.
+    """
     found: dict[str, dict[str, float]] = {}
     for error in effects:
-        if isinstance(error, ParameterError) and error.parameter in OF_LINK and not error.is_neutral:
-            own, number = found.setdefault(error.of, {}), OF_LINK[error.parameter]
-            own[number] = own.get(number, 1.0) * error.factor
+        if isinstance(error, ParameterError) and error.parameter in words and not error.is_neutral:
+            own, word = found.setdefault(error.of, {}), words[error.parameter]
+            own[word] = own.get(word, 1.0) * error.factor
     return found
 
 

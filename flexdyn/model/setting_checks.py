@@ -147,7 +147,8 @@ def _check(robot: Robot, joints: Mapping[str, Joint], softened: set[str], effect
     elif isinstance(effect, JointEffect):
         name = robot.joint_names[robot.joint_index(effect.joint)]
         if isinstance(effect, JointCoupling):
-            _check_other(robot, effect)
+            with retold(key="other", value=effect.other):
+                robot.joint_index(effect.other)
         if isinstance(effect, JointElasticity):
             _check_softening(name, joints[name])
         elif not joints[name].elastic and name not in softened and (effect.side == "transmission" or effect.takes_load):
@@ -171,11 +172,6 @@ def _check_softening(name: str, joint: Joint) -> None:
     if joint.rotor_inertia == 0 and not joint.given("rotor_inertia").is_unknown:
         remedy = f"give joints.{name}.rotor_inertia in kg m^2 on the motor side"
         raise InputError("joint_elasticity needs a rotor that has inertia", key="joint", value=name, remedy=remedy)
-
-
-def _check_other(robot: Robot, effect: JointCoupling) -> None:
-    with retold(key="other", value=effect.other):
-        robot.joint_index(effect.other)
 
 
 def _check_pairs(effects: list[Effect]) -> None:

@@ -101,9 +101,7 @@ class LinkSide:
 
 def build_links(model: FlexibleJointModel) -> _core.LinkDynamics:
     """The compiled link side: M(q), h(q, v), with payloads, and J of rigid joints as armature."""
-    model.check_known()
-    true = model.resolved()
-    return _links(_tree_of(true), true.gravity)
+    return LinkSide(model)._links
 
 
 def _tree_of(true: FlexibleJointModel) -> Tree:

@@ -149,7 +149,7 @@ def test_other_weights_keep_how_many_rows_tell_one_thing() -> None:
     space = case.space(TOLD)
     space.weigh(Discrepancy(np.array([1.0, 9.0]), np.array([50.0, 60.0]), TOLD.count))
     at = case.dense(structure, replace(TOLD, scale=np.array([1.0, 9.0])))
-    found = space.estimate(structure)
+    found = space.gram.whole(space.columns(structure))
     np.testing.assert_allclose(found.mean, at.mean, atol=1e-10)
     np.testing.assert_allclose(found.covariance, at.covariance, atol=1e-10)
     np.testing.assert_allclose(space.left(structure), at.left, atol=1e-9)
@@ -164,7 +164,7 @@ def test_a_grid_point_that_comes_later_has_a_column_of_its_own() -> None:
     assert space.grow(STRIBECK, (0.3,)) == 3
     assert space.grow(STRIBECK, (0.2,)) == 1
     structure = frozenset({(STRIBECK, place), (VISCOUS_A, 0)})
-    found = space.estimate(structure)
+    found = space.gram.whole(space.columns(structure))
     np.testing.assert_allclose(found.mean, case.dense(structure, TOLD).mean, atol=1e-10)
     noise = replace(TOLD, count=case.seen.count)
     space.under(noise)

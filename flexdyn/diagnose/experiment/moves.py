@@ -145,8 +145,7 @@ def _stairs(joint: _Joint) -> Made:
 def _dithers(joint: _Joint, share: float) -> Made:
     """Small reversals at the middle, slow and then faster."""
     half = share * joint.half
-    speeds = [half, 4.0 * half, 16.0 * half]
-    speeds = [min(speed, joint.speed) for speed in speeds]
+    speeds = [min(times * half, joint.speed) for times in (1.0, 4.0, 16.0)]
     points, paced = [joint.middle], []
     for speed in speeds:
         for _ in range(max(1, round(PASS_DURATION / 3.0 * speed / (4.0 * half)))):

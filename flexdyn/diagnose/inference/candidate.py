@@ -64,11 +64,6 @@ class Candidate:
         """Linear numbers."""
         return len(self.columns[0])
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Parameters that the grid is of, as far as they are waves'."""
-        return ("harmonic",) if self.law.periodic else ()
-
     def natural(self, harmonic: float) -> list[float]:
         """The whole number, and the whole number of motor turns, nearest to a harmonic."""
         return natural(harmonic, self.ratio)

@@ -39,11 +39,8 @@ def _loaded(equations: Equations) -> list[Proposal]:
 
     Only the plain law: on a joint whose load nobody measures, laws that contain it share its name and hide others.
     """
-    true, kinds = (
-        equations.true,
-        [kind for kind in catalogue().values() if kind.takes_load and kind.linear and not kind.contains],
-    )
-    found = []
+    true, found = equations.true, []
+    kinds = [kind for kind in catalogue().values() if kind.takes_load and kind.linear and not kind.contains]
     for j in np.flatnonzero(~true.elastic & (true.rotor_inertia > 0.0)).tolist():
         place, extent = {"joint": true.joint_names[j], "side": "motor"}, extent_of(equations, j)
         found += [declared(kind, place, extent) for kind in kinds]

@@ -66,9 +66,8 @@ class ColumnMaker:
 
     def always(self) -> Column:
         """The file's numbers, within their tolerance, and offsets of the encoders."""
-        names = tuple(self.start.factors)
         centre = 1.0 - np.array(list(self.start.factors.values()))
-        std = np.concatenate([[max(n.tolerance, 1e-9) for n in names], self.offset_std])
+        std = np.concatenate([[max(n.tolerance, 1e-9) for n in self.start.factors], self.offset_std])
         mean = np.concatenate([centre, np.zeros(len(self.offset_std))])
         return Column.of(np.concatenate([self.numbers, self.offsets], axis=1), self.many, std, mean)
 

@@ -10,9 +10,8 @@ from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.column_maker import ColumnMaker
-from flexdyn.diagnose.inference.parameter_beliefs import beliefs
 from flexdyn.diagnose.inference.products import Products
-from flexdyn.diagnose.inference.standing_effects import standing_columns
+from flexdyn.diagnose.inference.standing_effects import beliefs, standing_columns
 
 POINTS_AT_ONCE = 16
 """Grid points whose columns are made white at once: more would not be faster, and take memory."""

@@ -25,10 +25,10 @@ from flexdyn.diagnose.inference.elsewhere import odds_by_fits
 from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.memory import check_memory
-from flexdyn.diagnose.inference.parameter_beliefs import beliefs
 from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.diagnose.inference.standing_effects import beliefs
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, waits
 from flexdyn.diagnose.inference.structure_prior import WHOLE_NUMBER_LOG_ODDS
 from flexdyn.diagnose.inference.weights import along_expected, expected, filter_error, for_fit, quieter, rows_of
@@ -88,14 +88,12 @@ class Linearisation:
     """What structures are compared on.
 
     Attributes:
-        here: the hypothesis at which the equations are linear.
         space: candidates and their matrix there.
         near: the equations, with slopes along the motion that is expected there.
         noise: of the channels.
         mask: rows that are not used (rows,).
     """
 
-    here: Hypothesis
     space: Space
     near: Unweighted
     noise: SampleNoise
@@ -134,7 +132,7 @@ class Linearisation:
         along = at if near.along is None else near.along.of(here.model())
         whole = slopes, work.nuisance, work.nuisance_sigma
         library = Library(along, work.whiten, here, *whole, tuple(listed), noise, mask, first)
-        return cls(here, Space(library, work.whiten(at.residual), seen), near, noise, mask)
+        return cls(Space(library, work.whiten(at.residual), seen), near, noise, mask)
 
     def fitted(self, there: Hypothesis, steps: int) -> Fit:
         """The fit of a hypothesis, with weights by what the last fit left until it does not outgrow them."""

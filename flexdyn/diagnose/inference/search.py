@@ -12,7 +12,7 @@ from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.refinement import refined
 from flexdyn.diagnose.inference.space import Space, Structure
-from flexdyn.diagnose.inference.structure_prior import WHOLE_NUMBER_LOG_ODDS, odds_of
+from flexdyn.diagnose.inference.structure_prior import log_harmonic, odds_of
 from flexdyn.diagnose.progress import check
 from flexdyn.effects import ChannelLag, CommandDelay
 
@@ -48,13 +48,7 @@ class Scan:
         self.of = np.array([c for c, _ in self.owner])
         cost = [self.space.costs(c, p) for c, p in self.owner]
         self.grid = np.array(cost) - np.log([candidates[c].choices for c in self.of])
-        waves = [(k, candidates[c], candidates[c].points[p]) for k, (c, p) in enumerate(self.owner)]
-        odd = [
-            k
-            for k, each, x in waves
-            if each.stands is None and "harmonic" in each.names and x[0] not in each.natural(x[0])
-        ]
-        self.grid[odd] -= WHOLE_NUMBER_LOG_ODDS
+        self.grid += [log_harmonic(candidates[c], p) for c, p in self.owner]
         self.kind = np.array([self.kinds.index(candidates[c].group) for c in self.of])
 
     def _clashing(self) -> list[Indices]:

@@ -73,10 +73,6 @@ class Space:
         parts = [self.candidates[c].columns[p] for c, p in sorted(structure)]
         return np.concatenate([np.zeros(0, np.intp), *parts]).astype(np.intp)
 
-    def estimate(self, structure: Structure) -> Estimate:
-        """A structure's posterior, the columns of every structure first."""
-        return self.gram.whole(self.columns(structure))
-
     def value(self, structure: Structure) -> float:
         """Log posterior of a structure, not normalised, the size of its model error the most likely one; remembered."""
         if structure not in self.known:

@@ -1,19 +1,74 @@
-"""The columns of an effect that the model holds already: what it does now, and the tangents of its parameters."""
+"""Effects that the model holds already: priors of their parameters, and their columns."""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 
 import numpy as np
 
 from flexdyn.diagnose.equations.columns import of_parameter
+from flexdyn.diagnose.hypothesis.hypothesis import kind_and_place
 from flexdyn.diagnose.hypothesis.linear import tangent_scale
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.inference.candidate import Column, natural
-from flexdyn.diagnose.inference.column_maker import ColumnMaker
-from flexdyn.diagnose.inference.parameter_beliefs import Belief
-from flexdyn.diagnose.inference.priors import FITTED_SIZE_WIDTH, UNKNOWN_WIDTH
-from flexdyn.effects import Effect
+from flexdyn.diagnose.inference.column_maker import ColumnMaker, natural_spread
+from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE, FITTED_SIZE_WIDTH, UNKNOWN_WIDTH
+from flexdyn.effects import Effect, JointEffect
+
+Belief = Callable[[Effect, str], tuple[float, float]]
+"""Of an effect's parameter: how far its prior's centre is from its value, and its standard deviation, in its unit."""
+
+
+def beliefs(maker: ColumnMaker, effects: tuple[Effect, ...]) -> Belief:
+    """Priors of effects' parameters, those that need a column taken once, where the effects stand."""
+    at = maker.first or maker
+    known: dict[tuple[object, ...], tuple[float, float]] = {}
+    for effect in effects:
+        for entry in effect.parameters():
+            nothing = effect.neutral.get(entry.name)
+            if nothing is not None and np.isfinite(nothing):
+                known[(*kind_and_place(effect), entry.name)] = (float(nothing), _spread(at, effect, entry.name))
+
+    def known_belief(effect: Effect, name: str) -> tuple[float, float]:
+        place = (*kind_and_place(effect), name)
+        if place in known:
+            return known[place][0] - getattr(effect, name), known[place][1]
+        return belief(maker, effect, name)
+
+    return known_belief
+
+
+def belief(maker: ColumnMaker, effect: Effect, name: str) -> tuple[float, float]:
+    """Prior of a parameter: how far its centre is from its value, and its standard deviation, in its unit.
+
+    A parameter that makes the effect large is ``N(neutral, (share of the drive)^2)``; one that the grid is of is
+    log-normal about the grid's middle, half its range wide; of others nothing is known.
+    """
+    value, nothing = getattr(effect, name), effect.neutral.get(name)
+    if nothing is not None and np.isfinite(nothing):
+        scale = tangent_scale(effect, name)
+        raw = of_parameter(maker.equations, effect, name, 0.1 * scale)
+        largest = float(maker.sizes.largest(raw[None])[0])
+        spread = natural_spread(effect.name, EFFECT_TORQUE_SHARE / largest) if 0.0 < largest < np.inf else np.inf
+        return (float(nothing) - value, spread) if np.isfinite(spread) else (0.0, np.inf)
+    proposal = next(p for p in maker.proposals if p.is_of(effect))
+    if name not in proposal.axes or len(proposal.grid) < 2 or value <= 0.0:
+        return 0.0, np.inf
+    grid = [point[proposal.axes.index(name)] for point in proposal.grid]
+    if min(grid) <= 0.0:
+        return 0.0, np.inf
+    low, high = float(np.log(min(grid))), float(np.log(max(grid)))
+    return -value * (float(np.log(value)) - 0.5 * (low + high)), value * max(0.5 * (high - low), 0.1)
+
+
+def _spread(maker: ColumnMaker, effect: Effect, name: str) -> float:
+    """Prior standard deviation of a parameter that makes an effect large."""
+    true = maker.equations.true
+    if isinstance(effect, JointEffect) and effect.takes_load and not true.elastic[true.index(effect.joint)]:
+        column = maker.columns(next(p for p in maker.proposals if p.is_of(effect)), ())
+        return np.inf if column is None else float(column.std[0])
+    return belief(maker.alone(effect), effect, name)[1]
 
 
 def standing_columns(

@@ -30,7 +30,7 @@ def hypothesis_of(space: Space, structure: Structure, *, whole: bool = False) ->
     here = space.library.start
     if structure == standing(space) and not any(waits(space, c) for c, _ in structure):
         return here
-    estimate = space.estimate(structure)
+    estimate = space.gram.whole(space.columns(structure))
     value = dict(zip(estimate.columns.tolist(), estimate.mean.tolist(), strict=True))
     names = list(here.factors)
     factors = {n: here.factors[n] + value[k] for k, n in enumerate(names)}

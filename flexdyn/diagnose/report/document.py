@@ -10,7 +10,6 @@ from flexdyn.diagnose.report.measures import JointError, RecordingSpan, SignalEr
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import model_sentence, stopped_sentence
 from flexdyn.diagnose.report.suspects import Considered, Finding, Number, Suspect
-from flexdyn.io.json_text import json_text
 from flexdyn.io.locked import thawed
 
 SCHEMA = "flexdyn.diagnosis/2"
@@ -19,7 +18,7 @@ CONSIDERED = 40
 
 
 def document(diagnosis: Diagnosis) -> dict[str, Any]:
-    """The document; numbers in it may be infinite or NaN, see `report_json`."""
+    """The document; numbers in it may be infinite or NaN, which become null in the file."""
     told = [text for text in (stopped_sentence(diagnosis), model_sentence(diagnosis)) if text]
     return {
         "schema": SCHEMA,
@@ -40,11 +39,6 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
         "fit": _statistics(diagnosis.fit) if diagnosis.fit else None,
         "shares": _fields(diagnosis.shares),
     }
-
-
-def report_json(diagnosis: Diagnosis) -> str:
-    """Text of report.json: strict JSON, in which a number that is not finite is null."""
-    return json_text(document(diagnosis)) + "\n"
 
 
 def _fields(entry: Any) -> dict[str, Any] | None:

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeGuard
 
-from flexdyn.diagnose.report.document import report_json
+from flexdyn.diagnose.report.document import document
 from flexdyn.diagnose.report.page import page
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.effects import Effect, ParameterError
 from flexdyn.errors import InputError, printable
 from flexdyn.io.files import replacing
+from flexdyn.io.json_text import json_text
 from flexdyn.io.yaml import dump_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import model_to_dict
-from flexdyn.model.resolved_parameters import OF_LINK, OF_URDF
+from flexdyn.model.resolved_parameters import OF_LINK, OF_URDF, factors_of
 from flexdyn.robot.rewrite import corrected_urdf
 
 PAGE, JSON = "report.html", "report.json"
@@ -42,7 +43,7 @@ def write_report(diagnosis: Diagnosis, folder: Path) -> None:
         reason = "it is a file" if folder.is_file() else f"the folder cannot be made ({error.strerror})"
         raise InputError(reason, file=folder, remedy="give a folder") from None
     files, diagnosis = _model_files(diagnosis, folder)
-    files[JSON] = report_json(diagnosis)
+    files[JSON] = json_text(document(diagnosis)) + "\n"
     files[PAGE] = page(diagnosis)
     with ExitStack() as stack:
         for name, text in files.items():
@@ -63,13 +64,11 @@ def _model_files(diagnosis: Diagnosis, folder: Path) -> tuple[dict[str, str], Di
 
 def _remove_earlier(path: Path) -> None:
     """A corrected model of an earlier report would be taken for this one's; a file of anybody else stays."""
-    try:
+    with suppress(OSError, UnicodeDecodeError):
         with open(path, encoding="utf-8") as stream:
             ours = MARK in stream.readline()
         if ours:
             path.unlink()
-    except (OSError, UnicodeDecodeError):
-        return
 
 
 def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:
@@ -97,7 +96,7 @@ def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:
     if wrong:
         name = f"{Path(str(model.robot.source)).stem}_corrected.urdf"
         try:
-            files[name] = corrected_urdf(model.robot, _factors(wrong, OF_LINK), _factors(wrong, OF_URDF), folder)
+            files[name] = corrected_urdf(model.robot, factors_of(wrong, OF_LINK), factors_of(wrong, OF_URDF), folder)
             content["robot"]["urdf"] = name
         except InputError:
             content["effects"] += [effect.to_dict() for effect in wrong]
@@ -108,7 +107,7 @@ def _links_folded(model: FlexibleJointModel) -> tuple[FlexibleJointModel, dict[s
     """The model without its own inertias of links, and the corrected values of these, which the URDF does not have."""
     errors = [e for e in model.effects if isinstance(e, ParameterError) and e.of in model.links]
     errors = [e for e in errors if e.parameter == "link_inertia"]
-    factors = {link: number["inertia"] for link, number in _factors(errors, {"link_inertia": "inertia"}).items()}
+    factors = {link: number["inertia"] for link, number in factors_of(errors, {"link_inertia": "inertia"}).items()}
     true = {link: {"inertia": factors.get(link, 1.0) * number.value} for link, number in model.links.items()}
     return model.replace(effects=_without(model, errors), links=None), true
 
@@ -123,16 +122,6 @@ def _is_of_urdf(effect: Effect) -> TypeGuard[ParameterError]:
     if not isinstance(effect, ParameterError):
         return False
     return effect.parameter in OF_LINK or (effect.parameter in OF_URDF and not effect.of.startswith("effects["))
-
-
-def _factors(errors: Sequence[ParameterError], words: Mapping[str, str]) -> dict[str, dict[str, float]]:
-    """Of every link or joint, by the URDF's word for the number; several on one number multiply."""
-    found: dict[str, dict[str, float]] = {}
-    for error in errors:
-        if error.parameter in words:
-            numbers, word = found.setdefault(error.of, {}), words[error.parameter]
-            numbers[word] = numbers.get(word, 1.0) * error.factor
-    return found
 
 
 def _tolerance(model: FlexibleJointModel) -> Any:

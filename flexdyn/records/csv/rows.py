@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NoReturn
@@ -102,15 +103,9 @@ def _bad_cell(header: Header, row: int, cells: list[str]) -> InputError:
 
 
 def _first_bad(dialect: Dialect, items: list[str], width: int, columns: Sequence[int] | None) -> int:
-    """Index of the first of `items` that cannot be parsed, by bisection; at least one item is bad."""
-    low, high = 0, len(items)
-    while high - low > 1:
-        middle = (low + high) // 2
-        if dialect.parse(items[low:middle], width, columns) is None:
-            high = middle
-        else:
-            low = middle
-    return low
+    """Index of the first of `items` that cannot be parsed; the last one if each can be parsed by itself."""
+    last = len(items) - 1
+    return bisect_left(range(last), True, key=lambda k: dialect.parse(items[: k + 1], width, columns) is None)
 
 
 def _empty_line(row: int) -> InputError:

@@ -9,6 +9,7 @@ from rosbags.interfaces import MessageDefinition, MessageDefinitionFormat
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
 from flexdyn.errors import InputError
+from flexdyn.records.ros.columns import CONTROLLER_STATE, DYNAMIC_JOINT_STATE
 from flexdyn.records.ros.walk import Fields
 from flexdyn.records.table import damage_named
 
@@ -26,17 +27,15 @@ _MULTI = _fields(_MULTI_POINT, *(f"multi_dof_{name}" for name in _NAMES))
 _OLD_MULTI = _fields(_MULTI_POINT, "multi_dof_desired", "multi_dof_actual")
 _HEAD = "std_msgs/Header header\nstring[] joint_names\n"
 _MULTI_JOINTS = "string[] multi_dof_joint_names\n"
-_JTC = "control_msgs/msg/JointTrajectoryControllerState"
 _NEW = f"{_HEAD}{_POINTS}{_MULTI_JOINTS}{_MULTI}"
 _GAINS = ("p", "i", "d", "i_clamp")
 _LOOP = ("set_point", "process_value", "process_value_dot", "error", "time_step", "command")
 
-DYNAMIC_JOINT_STATE = "control_msgs/msg/DynamicJointState"
 INTERFACE_VALUE = "control_msgs/msg/InterfaceValue"
 
 # control_msgs is not among the types that rosbags brings; its fields changed over the years.
 _CONTROL: dict[str, tuple[str, ...]] = {
-    _JTC: (
+    CONTROLLER_STATE: (
         f"{_HEAD}{_OLD_POINTS}{_fields(_POINT, 'error')}",
         f"{_HEAD}{_POINTS}{_OLD_POINTS}{_MULTI_JOINTS}{_MULTI}{_OLD_MULTI}",
         _NEW,
