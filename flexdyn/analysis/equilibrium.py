@@ -119,6 +119,7 @@ def equilibrium(model: FlexibleJointModel, tau: ByJoint | None = None, *, q_gues
 
 
 def _frictionless(statics: Statics, q: Array, tau: Array) -> Equilibrium:
+    """A pose that the springs and motors hold without dry friction, and whether it is stable."""
     theta = statics.driven_springs(q, tau)
     link, rotor = statics.net(q, theta, tau)
     tangent = Tangent(_smooth(statics), q, theta, tau)

@@ -85,6 +85,7 @@ class FrictionCurve:
 
     @classmethod
     def _at(cls, points: DirectionPoints, names: Sequence[str], velocity: float | None) -> FrictionCurve:
+        """The curve that fits best where the Stribeck velocity is given; None: it has no such law."""
         u, tau, std = points.u, points.tau, points.std
         X = np.stack([_column(name, u, velocity) for name in names], axis=1) / std[:, None]
         linear = [k for k, name in enumerate(names) if name != VELOCITY]

@@ -145,6 +145,7 @@ def steady_friction(points: Sequence[SteadyPoint], check: Sequence[SteadyPoint] 
 
 
 def _of_direction(direction: int, points: DirectionPoints, check: DirectionPoints) -> SteadyFriction:
+    """Friction in one direction: which laws are named, and the numbers of those that are."""
     whole = FrictionCurve.fitted(points, tuple(LAWS))
     scatter = math.sqrt(whole.chi2 / max(1, len(points.u) - whole.size))
     points, check = (each.scaled(max(1.0, scatter)) for each in (points, check))
@@ -168,6 +169,7 @@ def _trial(
     others: tuple[str, ...],
     bic: Mapping[tuple[str, ...], float],
 ) -> LawTrial:
+    """Whether one law is named beside others, and if not, why."""
     laws = tuple(each for each in LAWS if each in (*others, law))
     without, curve = FrictionCurve.fitted(points, others), FrictionCurve.fitted(points, laws)
     rival = min((each for each in bic if law not in each), key=lambda each: bic[each])

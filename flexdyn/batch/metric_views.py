@@ -98,6 +98,7 @@ def tornado(columns: MetricColumns) -> list[Block]:
 
 
 def _dots(columns: MetricColumns, path: str, name: str) -> Panel:
+    """A metric over a parameter, a dot for each run."""
     x, y = columns.parameters[path], columns.metrics[name]
     there = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
     if len(there) > DOTS:
@@ -119,6 +120,7 @@ def _dots(columns: MetricColumns, path: str, name: str) -> Panel:
 
 
 def _lines(columns: MetricColumns, name: str) -> Panel | None:
+    """What a metric changes by from the lowest to the highest fifth of each parameter; None if nothing is known."""
     found = [
         (each, path, columns.colours[path])
         for path in columns.parameters

@@ -98,6 +98,7 @@ def measure(metrics: Sequence[Metric], motion: RunsMotion) -> tuple[Array, list[
 
 
 def _check_needs(each: Metric, model: FlexibleJointModel, aim: Aim) -> None:
+    """Refuse a metric that the model or the command has no meaning for."""
     if "reference" in each.needs and aim.reference is None:
         remedy = "it needs a command with pd:, whose reference is tracked"
         raise InputError("there is no reference to track", value=each.name, remedy=remedy)

@@ -69,6 +69,7 @@ def study_from_dict(content: Mapping[str, Any], folder: Path) -> Study:
 
 
 def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
+    """Check every key of a study file, and rehearse the study."""
     check_format(content, "flexdyn_study", STUDY_FORMAT, TOP_KEYS, required=("model", "vary"))
     if not content.get("keep") and not content.get("metrics"):
         remedy = "name channels under keep, or metrics"
@@ -105,6 +106,7 @@ def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
 
 
 def _model(entry: Any, folder: Path) -> FlexibleJointModel:
+    """The model of a study: written out, or the path or name of one."""
     if isinstance(entry, Mapping):
         with placed(key="model"):
             return model_from_dict(entry, folder)
@@ -131,6 +133,7 @@ def _command(entry: Any, folder: Path) -> Any:
 
 
 def _pd(entry: Any, folder: Path, key: str) -> dict[str, Any]:
+    """Settings of the controller, with its recordings' paths absolute."""
     check_keys(entry, ("pd",), required=("pd",), key=key.rpartition(".")[0])
     given = entry["pd"]
     check_keys(given, PD_KEYS, required=("reference", "kp", "kd"), key=key)

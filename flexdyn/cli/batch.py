@@ -68,6 +68,7 @@ def batch(
 def _run(
     study: Path, output: Path | None, workers: int | None, scheduler: str | None, resume: bool, as_json: bool
 ) -> None:
+    """Run a study, show its progress, and print a summary."""
     from flexdyn.batch.run_study import run_study
 
     if study.is_dir():
@@ -91,6 +92,7 @@ def _run(
 
 
 def _summarise(store: Path, output: Path | None, views: list[str] | None, as_json: bool) -> None:
+    """Print the summary of a store, and draw it if a picture is asked for."""
     from flexdyn.batch.results import open_results
 
     path = picture_file(output)
@@ -101,6 +103,7 @@ def _summarise(store: Path, output: Path | None, views: list[str] | None, as_jso
 
 
 def _extract(store: Path, k: int, output: Path | None, as_json: bool) -> None:
+    """Write one run of a store as a model and its command."""
     from flexdyn.batch.results import open_results
 
     folder = output_folder(output, "give the path of a folder")

@@ -127,6 +127,7 @@ def describe(found: Target, q: Mapping[str, float]) -> dict[str, Any]:
 
 
 def _joint(model: FlexibleJointModel, j: int, q: float, inertia: float) -> dict[str, Any]:
+    """The entry of a joint: its limits, its drive, and the frequencies of its spring at this position."""
     robot, name = model.robot, model.joint_names[j]
     drive = model.joints[name]
     J = drive.reflected_inertia
@@ -151,6 +152,7 @@ def _joint(model: FlexibleJointModel, j: int, q: float, inertia: float) -> dict[
 
 
 def _effect(model: FlexibleJointModel, effect: Effect, origin: str) -> dict[str, Any]:
+    """The entry of an effect: where it acts, its numbers with units, and where it comes from."""
     joint = effect.joint if isinstance(effect, JointEffect) else None
     units = units_of(model.robot, effect, joint)
     numbers = {name: {"value": getattr(effect, name), "unit": unit} for name, unit in units.items()}

@@ -157,6 +157,7 @@ def _settings(**texts: str | None) -> dict[str, float]:
 
 
 def _starts(model: FlexibleJointModel, **given: list[str] | None) -> dict[str, Any]:
+    """First states by joint; of rotor positions also that the springs carry gravity."""
     starts: dict[str, Any] = {}
     for signal, texts in given.items():
         if texts == ["equilibrium"] and signal == "theta0":
@@ -182,6 +183,7 @@ def _can_write(path: Path) -> None:
 
 
 def _report(run: Run, path: Path) -> list[Any]:
+    """The table of a run."""
     stats, joints = run.stats, summary(run, path)["joints"]
     head = (
         f"{path}: {number(float(run.t[-1]), 6)} s of {run.model.name}, {len(run.t)} samples; "

@@ -182,6 +182,7 @@ def compare(first: Any, second: Any, *, start: float | None = None, end: float |
 
 
 def _channel_error(one: MotionSource, two: MotionSource, channel: str, rows: slice) -> ChannelError:
+    """The errors of one channel."""
     unit = unit_in((one, two), channel)
     both = difference(one, two, channel, rows)
     error, worst = both.error, int(np.argmax(np.abs(both.error)))

@@ -144,6 +144,7 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
 
 
 def _find(path: Any) -> Path:
+    """The file that a path or a shipped model's name means; else an error that says what to do instead."""
     if not isinstance(path, str | os.PathLike):
         remedy = "a robot becomes one by FlexibleJointModel(robot)" if isinstance(path, Robot) else None
         raise InputError("the path of a model.yaml is needed", key="model", value=path, remedy=remedy)
@@ -175,6 +176,7 @@ def _becomes_model(robot: str) -> str:
 
 
 def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
+    """The robot of a model file, its paths relative to the folder; errors name the key in the file."""
     urdf = entry["urdf"]
     if not isinstance(urdf, str) or not urdf:
         raise InputError("the path or name of a URDF is needed", key="robot.urdf", value=urdf)
@@ -199,6 +201,7 @@ def _robot(entry: Mapping[str, Any], folder: Path) -> Robot:
 
 
 def _source(robot: Robot, folder: Path | None) -> str:
+    """How a model file names its URDF: a known name, else a path."""
     if robot.source is None:
         remedy = "write the URDF and load the robot from it"
         raise InputError("the robot came from a pin.Model and has no URDF to name", key="robot.urdf", remedy=remedy)

@@ -85,6 +85,7 @@ def factors_of(effects: Sequence[Effect], words: Mapping[str, str]) -> dict[str,
 
 
 def _fold_effect(effects: list[Effect], error: ParameterError) -> None:
+    """Replace the effect that an error is about by the same with its true parameter."""
     place = effect_place(error.of)
     if place is None or place >= len(effects):
         remedy = f"they count from 0 to {len(effects) - 1}"
@@ -99,6 +100,7 @@ def _fold_effect(effects: list[Effect], error: ParameterError) -> None:
 
 
 def _fold_joint(robot: Robot, numbers: dict[str, dict[str, Any]], error: ParameterError) -> Robot:
+    """Apply an error to a number of a drive, its motor or the URDF's <dynamics>; return the robot."""
     if error.of not in numbers:
         remedy = did_you_mean(error.of, [*numbers, *robot.frame_names])
         raise InputError("no such joint, link or effect", key="of", value=error.of, remedy=remedy)

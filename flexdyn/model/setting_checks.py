@@ -137,6 +137,7 @@ def fitted(robot: Robot, joints: Mapping[str, Joint], entries: Iterable[Any]) ->
 
 
 def _check(robot: Robot, joints: Mapping[str, Joint], softened: set[str], effect: Effect) -> None:
+    """Refuse an effect where it cannot act."""
     if isinstance(effect, Payload):
         frame = robot.frame(robot.tip if effect.frame is None else effect.frame)
         robot.tree.with_point_mass(frame, effect.mass)  # refuses one on the base

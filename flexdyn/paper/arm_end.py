@@ -53,6 +53,7 @@ def _vector(run: Run) -> Array:
 
 
 def _draw_displacement(canvas: Any, runs: dict[str, Run], sizes: dict[str, Array]) -> None:
+    """The path of the tip beside that of a rigid arm, and the distance of the two over time."""
     left, right = canvas.subplots(1, 2, width_ratios=(1.0, 1.5))
     run = runs["without friction"]
     robot, seen = run.model.robot, run.t <= 2 * TORQUE_END
@@ -112,6 +113,7 @@ def end_force(cases: PaperCases) -> Chapter:
 
 
 def _pushed(cases: PaperCases, v: float) -> Run:
+    """The arm, held by its motors, under the force at its end."""
     model = cases.viscous_model(v)
     held = [model.initial["q"].get(joint, 0.0) for joint in model.joint_names]
     still = Samples([0.0, END], [held, held], "linear")
@@ -125,6 +127,7 @@ def _pushed(cases: PaperCases, v: float) -> Run:
 
 
 def _draw_push(canvas: Any, light: Run, heavy: Run, bent: Array) -> None:
+    """Deflections under the force, with light and with heavy damping."""
     panels = canvas.subplots(1, 2, sharex=True)
     for j, panel in enumerate(panels):
         panel.axvspan(0.0, RELEASE, color="#EDEDED", linewidth=0, zorder=0)

@@ -68,6 +68,8 @@ def _plucked(cases: PaperCases, v: float) -> list[tuple[float, float]]:
 
 
 def _text(cases: PaperCases, found: Mapping[float, Residual], best: float, best_rate: float) -> str:
+    """The prose of the chapter."""
+
     def both(v: float) -> dict[str, Mode]:
         return dict(zip(("slow", "fast"), modes(cases.arm(v=v), ELBOW), strict=True))
 
@@ -87,6 +89,7 @@ def _text(cases: PaperCases, found: Mapping[float, Residual], best: float, best_
 
 
 def _draw_growing(canvas: Any, cases: PaperCases, runs: Mapping[float, Run]) -> None:
+    """Deflection and amplitude for each damping."""
     left, right = canvas.subplots(1, 2)
     for v, run in runs.items():
         if v in SHOWN_DAMPINGS:
@@ -110,6 +113,7 @@ def _draw_growing(canvas: Any, cases: PaperCases, runs: Mapping[float, Run]) -> 
 def _draw_rates(
     canvas: Any, cases: PaperCases, plucked: Mapping[float, list[tuple[float, float]]], best: float
 ) -> None:
+    """Decay rates over the damping, computed and measured."""
     panel = canvas.subplots()
     lines = _rate_lines(cases)
     looks = ((style.BLUE, "-", "o"), (style.VERMILION, style.DASHED, "s"))

@@ -40,6 +40,7 @@ def friction_law(cases: PaperCases) -> Chapter:
 
 
 def _draw_law(canvas: Any, numbers: FrictionNumbers) -> None:
+    """The friction law, whole and near rest."""
     panels = canvas.subplots(1, 2, width_ratios=(1.25, 1.0))
     for panel, reach in zip(panels, (1.0, 0.2), strict=True):
         u = np.linspace(1e-6, reach, 600)
@@ -65,6 +66,7 @@ def _draw_law(canvas: Any, numbers: FrictionNumbers) -> None:
 
 
 def _annotate(panel: Any, numbers: FrictionNumbers) -> None:
+    """Names of the numbers of the law, near rest."""
     static, dynamic = 1e3 * numbers.static, 1e3 * numbers.dynamic
     thin = {"arrowstyle": "-", "linewidth": 0.6, "color": style.BLACK}
     panel.annotate(r"$+b^s$", (0, static), (-0.06, static + 1.0), ha="right", va="center", arrowprops=thin)
@@ -117,6 +119,7 @@ def friction_effect(cases: PaperCases) -> Chapter:
 
 
 def _draw_effect(canvas: Any, runs: Any) -> None:
+    """Both joints with friction and without: flexible, rigid, deflection."""
     panels = canvas.subplots(2, 3, sharex=True)
     for j in range(2):
         for look, suffix in ((WITHOUT, ""), (WITH, "_friction")):

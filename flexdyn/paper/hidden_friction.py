@@ -146,6 +146,7 @@ def _compared(truth: Sequence[Effect], answer: Diagnosis) -> list[tuple[Effect, 
 
 
 def _numbers(truth: Sequence[Effect], answer: Diagnosis, steps: Sequence[Step]) -> Mapping[str, Any]:
+    """The hidden effects with what was found of each, and the gap after each step."""
     rows = []
     for effect, name, true, found in _compared(truth, answer):
         row = {"effect": effect.name, "joint": getattr(effect, "joint", None), "side": getattr(effect, "side", None)}
@@ -161,6 +162,7 @@ def _numbers(truth: Sequence[Effect], answer: Diagnosis, steps: Sequence[Step]) 
 
 
 def _text(truth: Sequence[Effect], answer: Diagnosis, steps: Sequence[Step]) -> str:
+    """The prose of the chapter."""
     return prose(
         "hidden_friction.md",
         torque_noise=TORQUE_NOISE,

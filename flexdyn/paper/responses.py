@@ -43,6 +43,7 @@ def responses(cases: PaperCases) -> Chapter:
 
 
 def _checks(cases: PaperCases) -> tuple[Check, ...]:
+    """What the responses must fulfil."""
     flexible, rigid = cases.driven["flexible"], cases.driven["rigid"]
     excess = max(_over_limit(cases, run) for run in cases.driven.values())
     energy = flexible.energy.mechanical[flexible.t >= TORQUE_END]
@@ -67,6 +68,7 @@ def _over_limit(cases: PaperCases, run: Run) -> float:
 
 
 def _draw_torque(canvas: Any, cases: PaperCases) -> None:
+    """The torque that is asked for and applied, and over the speed."""
     flexible, rigid = cases.driven["flexible"], cases.driven["rigid"]
     panels = canvas.subplots(1, 3, width_ratios=(1, 1, 0.95))
     steps_t = [-0.15, 0, 0, PULSE, PULSE, TORQUE_END, TORQUE_END, 1.5]
@@ -84,6 +86,7 @@ def _draw_torque(canvas: Any, cases: PaperCases) -> None:
 
 
 def _draw_line(panel: Any, cases: PaperCases, run: Run) -> None:
+    """The applied torque over the speed of the rotor, within the torque-speed line."""
     stall, no_load = cases.limit.stall_torque, cases.limit.no_load_speed
     edge = {"color": style.GREY, "linewidth": 1.4}
     panel.plot([-1.5, no_load, 4], [stall * (1 + 1.5 / no_load), 0, 0], **edge, label="torque-speed line")
@@ -99,6 +102,7 @@ def _draw_line(panel: Any, cases: PaperCases, run: Run) -> None:
 
 
 def _draw_responses(canvas: Any, flexible: Run, rigid: Run) -> None:
+    """Responses and deflections of both joints, flexible and rigid."""
     panels = canvas.subplots(2, 2, sharex=True)
     for j in range(2):
         for run, look in ((flexible, style.FLEXIBLE), (rigid, style.RIGID)):

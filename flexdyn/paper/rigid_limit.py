@@ -48,6 +48,7 @@ def rigid_limit(cases: PaperCases) -> Chapter:
 
 
 def _draw(canvas: Any, K: Array, rms: list[float], most: list[float], line: tuple[float, float]) -> None:
+    """The distance from the rigid arm over the stiffness, with the fitted law."""
     panel = canvas.subplots()
     start = K[FACTORS >= FITTED_FACTOR][0]
     fitted = np.array([start, K[-1]])

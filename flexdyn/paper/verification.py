@@ -58,6 +58,7 @@ def twice_integrated(cases: PaperCases) -> tuple[Run, float]:
 
 
 def _dynamics(cases: PaperCases) -> list[Check]:
+    """The paper's equations of motion against Pinocchio's."""
     arm, links = cases.arm(), LinkSide(cases.smooth_model())
     q, v, torque = random_states()
     D, c, a = eq.mass_matrix(arm, q), eq.coriolis(arm, q, v), eq.link_acceleration(arm, q, v, torque)
@@ -69,6 +70,7 @@ def _dynamics(cases: PaperCases) -> list[Check]:
 
 
 def _kinematics(cases: PaperCases) -> list[Check]:
+    """The paper's kinematics against Pinocchio's."""
     arm, robot = cases.arm(), cases.model.robot
     q, v, _ = random_states()
     model = robot.pin_model

@@ -55,6 +55,7 @@ def draw_comparison(found: Comparison) -> Picture:
 
 
 def _bars(found: Comparison, groups: dict[str, list[ChannelError]]) -> Block:
+    """A panel of bars for each unit: RMS and largest error of every channel."""
     panels = []
     for unit, rows in groups.items():
         kept = sorted(rows, key=lambda row: -row.rms)[:MOST_BARS]
@@ -71,6 +72,7 @@ def _bars(found: Comparison, groups: dict[str, list[ChannelError]]) -> Block:
 
 
 def _over_time(found: Comparison, worst: Sequence[ChannelError]) -> Block:
+    """The channels with the largest errors over time: both motions above, their difference below."""
     one, two = found.sources
     rows = common_rows(one, two, found.start, found.end)
     above, beneath = [], []

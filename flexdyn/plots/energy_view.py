@@ -123,6 +123,7 @@ def _losses(energy: Energy) -> dict[str, Array]:
 
 
 def _panel(title: str, scene: PlotScene, place: int, entries: Entries) -> Panel:
+    """Energies of one motion over time."""
     rows = scene.rows[place]
     t = scene.sources[place].recording.t[rows]
     curves = tuple(

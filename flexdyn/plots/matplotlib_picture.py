@@ -71,6 +71,8 @@ def draw(picture: Picture) -> Any:
 
 
 def _head(figure: Any, picture: Picture) -> None:
+    """Title, notes and the shared legend."""
+
     def across(inch: float) -> float:
         return inch / picture.width
 
@@ -88,6 +90,7 @@ def _head(figure: Any, picture: Picture) -> None:
 
 
 def _panel(figure: Any, picture: Picture, panel: Panel) -> None:
+    """Axes with curves or bars, at their place on the page."""
     box = panel.box
     width, height = picture.width, picture.height
     axes = figure.add_axes((box.left / width, box.bottom / height, box.width / width, box.height / height))

@@ -95,6 +95,7 @@ def repaired(table: Table, repairs: Iterable[Repair]) -> Table:
 
 
 def _repair(entry: Any) -> Repair:
+    """A repair by its name, or by its name and numbers."""
     name, numbers = entry, None
     if isinstance(entry, Repair):
         return entry
@@ -142,6 +143,7 @@ def _filled(columns: _Columns, rows: Rows, longest: float) -> tuple[_Columns, in
 
 
 def _check_gaps(t: Array, good: Flags, name: str, rows: Rows, longest: float) -> None:
+    """Refuse a gap that is too long to be filled, or open at an end."""
     known = np.flatnonzero(good)
     if not len(known) or not good[0] or not good[-1]:
         at = 0 if not good[0] else int(known[-1]) + 1

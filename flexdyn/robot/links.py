@@ -145,6 +145,7 @@ def read_link(element: Any, colors: dict[str, tuple[float, ...]]) -> Link:
 
 
 def _inertial(element: Any, key: str) -> Inertial:
+    """Mass, centre of mass and inertia of a link; refuses what no body can have."""
     mass_element, inertia = element.find("mass"), element.find("inertia")
     if mass_element is None:
         raise fail(element, key, "has no <mass>", remedy='add <mass value="..."/> in kg')

@@ -73,6 +73,7 @@ def load_robot(
 
 
 def _folders(package_dirs: str | Path | Iterable[str | Path]) -> tuple[Path, ...]:
+    """The given folders of packages as absolute paths; refuses one that is not there."""
     given = [package_dirs] if isinstance(package_dirs, (str, Path)) else list(package_dirs)
     folders = tuple(Path(os.path.abspath(Path(folder).expanduser())) for folder in given)
     for folder in folders:
@@ -116,12 +117,14 @@ def _complaint(text: str) -> str | None:
 
 
 def _last_line(error: Exception) -> str:
+    """The last line of an error, which says what is wrong; of one without text its type."""
     return (str(error).strip() or type(error).__name__).splitlines()[-1]
 
 
 def _assemble(
     made: Normalised, fixed: Iterable[str], lock: Any, *, name: str, source: str | Path | None, dirs: tuple[Path, ...]
 ) -> Robot:
+    """A robot from its Pinocchio model: held joints made fixed, followers tied to their leaders."""
     names = list(made.model.names)[1:]
     given = check_lock(lock, names, made.mimics, list(fixed))
     held = {**dict.fromkeys(fixed, 0.0), **given}
@@ -156,6 +159,7 @@ def _assemble(
 
 
 def _reduced(model: pin.Model, held: Mapping[str, float]) -> pin.Model:
+    """The model with these joints made fixed at these positions."""
     if not held:
         return model
     position = np.zeros(model.nq)

@@ -159,6 +159,7 @@ def visual_model(model: pin.Model, links: Sequence[Link], joints: Sequence[Robot
 
 
 def _readable(links: Sequence[Link]) -> tuple[list[Link], list[str]]:
+    """Links with the shapes whose meshes Pinocchio can read, and the other meshes."""
     loader = pin.coal.CachedMeshLoader()
     kept, unread = [], []
     for link in links:

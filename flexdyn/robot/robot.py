@@ -306,6 +306,7 @@ class Robot(Locked, Public):
         return visual_model(self._model, self._links, self._joints)
 
     def _with_inertial(self, link: str, change: Callable[[Inertial], Inertial]) -> Robot:
+        """The robot with the mass, centre of mass and inertia of one link changed."""
         place = {entry.name: k for k, entry in enumerate(self._links)}.get(link)
         if place is None:
             names = [entry.name for entry in self._links if entry.inertial is not None]
@@ -332,6 +333,7 @@ class Robot(Locked, Public):
         return self._last_frame(self.tree.m - 1)
 
     def _last_frame(self, joint: int) -> str:
+        """The last frame of a body that moves with a joint of the tree; without one, the joint itself."""
         mounted = [entry for entry in self._model.frames if entry.parentJoint == joint + 1]
         bodies = [entry.name for entry in mounted if entry.type == pin.FrameType.BODY]
         return str(bodies[-1] if bodies else self._model.names[joint + 1])

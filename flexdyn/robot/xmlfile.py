@@ -54,6 +54,7 @@ def read_xml(path: Path) -> Any:
 
 
 def _bytes_of(path: Path) -> bytes:
+    """The content of a file, not more than a URDF may have; else an error that says what the path is."""
     try:
         if path.is_dir():
             inside = sorted(entry.name for entry in path.iterdir() if entry.suffix == ".urdf")
@@ -75,6 +76,7 @@ def _bytes_of(path: Path) -> bytes:
 
 
 def _decoded(data: bytes) -> str:
+    """The text of a file in UTF-8, or in the encoding that its declaration names."""
     if b"\0" in data:
         raise InputError("a binary file, or text in UTF-16", remedy="give a URDF file saved as UTF-8")
     declared = _ENCODING.match(data.removeprefix(b"\xef\xbb\xbf"))
@@ -88,6 +90,7 @@ def _decoded(data: bytes) -> str:
 
 
 def _parsed(text: str) -> Any:
+    """The root element; nothing outside the text is loaded, and lines are counted as in the file."""
     from lxml import etree
 
     # The declaration may name another encoding, but the bytes are UTF-8 now.
@@ -108,6 +111,7 @@ def _parsed(text: str) -> Any:
 
 
 def _refuse_xacro(root: Any, path: Path) -> None:
+    """Refuse a file whose macros have not been expanded."""
     for element in root.iter():
         if not isinstance(element.tag, str):
             continue

@@ -22,6 +22,7 @@ def is_timed(effect: Effect) -> bool:
 
 
 def _moved(effect: Effect, begin: float) -> Effect:
+    """The effect whose zero of time is this later time."""
     if isinstance(effect, WarmUpFriction):
         return replace(effect, coefficient=effect.coefficient * math.exp(-begin / effect.time_constant))
     if not effect.is_python:

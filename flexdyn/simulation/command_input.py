@@ -189,6 +189,7 @@ def lower_wrenches(model: FlexibleJointModel, external: Iterable[Any], duration:
 
 
 def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
+    """A PD controller: its reference and feedforward as signals, and the first state that a recording states."""
     names = model.joint_names
     reference, ahead = resolve_command(pd.reference), resolve_command(pd.feedforward)
     initial: FirstState = {}
@@ -222,6 +223,7 @@ def _gaps(what: str, recording: Recording, done: str) -> tuple[str, ...]:
 
 
 def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
+    """A servo: its firmware in the core, or its law as a controller."""
     reference = resolve_command(servo.reference)
     initial: FirstState = {}
     if isinstance(reference, Recording):
@@ -259,6 +261,7 @@ def _firmware(model: FlexibleJointModel, servo: Servo, reference: Samples) -> _c
 
 
 def _check_reference(key: str, reference: Any) -> None:
+    """Refuse what cannot be tracked."""
     if isinstance(reference, Samples):
         return
     remedy = "give Samples, a recording or its path"

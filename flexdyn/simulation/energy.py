@@ -167,6 +167,7 @@ def ledger(run: Run) -> Energy:
 
 
 def _energy(run: Run, plant: _core.Plant, sums: Array) -> Energy:
+    """The ledger from the core's sums over the run, a row for each sample: n motors, wrenches, n dampers, effects."""
     model, n = run.model.resolved(), run.model.n
     elastic = model.elastic
     speeds = np.hstack([run.v, run.omega[:, elastic]])
@@ -226,6 +227,7 @@ def _has_entry(effect: Effect) -> bool:
 
 
 def _label(effect: Effect) -> str:
+    """The entry of an effect in the ledger: its name, joint and side."""
     name = "joint_coupling" if isinstance(effect, CouplingFriction) else effect.name
     return ".".join((name, *(str(getattr(effect, key)) for key in ("joint", "side"))))
 

@@ -169,6 +169,7 @@ def _duration(duration: float | None, drive: Drive) -> float:
 
 
 def _grid(span: float, rate: float, times: ArrayLike | None) -> Array:
+    """Times of the samples: as given, else at this rate, the first at 0 and the last at the end."""
     if times is None:
         steps = span * checked_rate("rate", rate)
         if steps > MAX_SAMPLES:

@@ -44,6 +44,8 @@ class _Server(ThreadingTCPServer):
 
 
 def _handler(page: bytes) -> type[BaseHTTPRequestHandler]:
+    """A handler of requests that answers with this page alone."""
+
     class Handler(BaseHTTPRequestHandler):
         """Sends the page, only to requests with the address of the server."""
 

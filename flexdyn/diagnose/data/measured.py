@@ -86,6 +86,7 @@ def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
 
 
 def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:
+    """Refuse a recording that lacks the torque or the position of a joint, or has joints of another arm."""
     for joint in recording.joints:
         check_known(joint, model.joint_names, "the recording has a joint that the model lacks", key=joint)
     for joint in model.joint_names:

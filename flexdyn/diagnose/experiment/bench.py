@@ -154,6 +154,7 @@ class RehearsalBench:
         return total
 
     def _run(self, truth: int, move: PlannedMotion) -> Run:
+        """The motion as a truth makes it, under its controller; refuses one that leaves what the recordings cover."""
         model, command, rate = self.known[truth].hypothesis.seen(), self.command(truth, move), 1.0 / self.reach.dt
         solver, seconds = _solver(model, move.path, self.reach.dt), command.reference.duration
         run = simulate(model, command, seconds, solver, q0=move.path[0], theta0="equilibrium", rate=rate)

@@ -111,6 +111,7 @@ class ColumnMaker:
         return found
 
     def _column(self, proposal: Proposal, point: Point, raw: Array, white: NDArray[np.float32]) -> Column | None:
+        """The columns of a proposal at a grid point, from plain and whitened rows; None where it does nothing."""
         sizes, width = self.sizes, len(raw)
         largest = np.maximum(sizes.largest(raw), [sizes.carried(*unit) for unit in proposal.units(point)])
         if not np.isfinite(largest).all() or (largest == 0.0).any() or not white.any(axis=(0, 2)).all():

@@ -48,6 +48,7 @@ def given_number(model: FlexibleJointModel, of: str, parameter: str) -> tuple[fl
 
 
 def _number_of(model: FlexibleJointModel, of: str, parameter: str) -> tuple[float, str]:
+    """Value and unit of a number of an effect, a drive or a link of the file; NaN for a factor on the URDF."""
     place = effect_place(of)
     if place is not None and place < len(model.effects):
         effect = model.effects[place]

@@ -103,6 +103,7 @@ def valid_unit(given: str | None, stated: str | None, key: str) -> str:
 
 
 def _unit(channel: Channel, name: str) -> Unit:
+    """The unit of a channel, by name, factor or full scale; refuses one that does not fit the channel's signal."""
     signal = channel.signal
     fitting = _fitting(signal) if signal else tuple(SI)
     unit = UNITS.get(name)

@@ -54,6 +54,7 @@ def couple(columns: dict[str, Array], couplings: Iterable[Coupling]) -> None:
 
 
 def _coupling(key: str, entry: Any, known: Sequence[str], taken: Collection[str]) -> Coupling:
+    """A coupling; without a matrix of torques it follows from the positions, as power is the same on both sides."""
     joints = _words(f"{key}.joints", entry["joints"], known)
     if len(joints) < 2:
         raise InputError("two joints or more are needed", key=f"{key}.joints", value=entry["joints"])
@@ -86,6 +87,7 @@ def _check_complete(key: str, coupling: Coupling, names: Collection[str]) -> Non
 
 
 def _words(key: str, value: Any, known: Sequence[str]) -> tuple[str, ...]:
+    """Known words, none of them twice."""
     if not isinstance(value, list) or len(set(map(str, value))) != len(value):
         raise InputError("a list without repetition is needed", key=key, value=value)
     for word in value:

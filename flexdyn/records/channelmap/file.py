@@ -170,6 +170,7 @@ def _check_channel_name(name: Any, where: str = "channels") -> None:
 
 
 def _joint(joint: str, numbers: Any) -> dict[str, Any]:
+    """Numbers that the channels of a joint share."""
     key = f"joints.{joint}"
     check_keys(numbers, JOINT_KEYS, key=key)
     given: dict[str, Any] = {name: as_finite(key, name, numbers[name]) for name in POSITIVE if name in numbers}
@@ -181,6 +182,7 @@ def _joint(joint: str, numbers: Any) -> dict[str, Any]:
 
 
 def _channel(name: str, entry: Any, shared: Mapping[str, Any]) -> Channel:
+    """A channel of a map, with the numbers that its joint shares."""
     key = f"channels.{name}"
     if not isinstance(entry, Mapping):
         entry = {"from": entry}

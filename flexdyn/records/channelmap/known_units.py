@@ -55,6 +55,7 @@ _TIMES = {"s": (1.0, 1.0), "ms": (1.0, 1e3), "us": (1.0, 1e6), "ns": (1.0, 1e9),
 
 
 def _known_units() -> dict[str, Unit]:
+    """All units by name; those of rates follow from angles and lengths, over seconds and minutes."""
     units = {"rpm": Unit("angular velocity", 2 * math.pi, 60.0), "kN": Unit("force", 1e3), "N": Unit("force")}
     units |= {"A": Unit("current"), "mA": Unit("current", 1.0, 1e3)}
     units |= {"V": Unit("voltage"), "mV": Unit("voltage", 1.0, 1e3), "%": Unit("duty", 1.0, 100.0)}

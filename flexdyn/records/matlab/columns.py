@@ -111,6 +111,7 @@ class LeafColumns:
         return table
 
     def _check_convention(self) -> None:
+        """Refuse what cannot be read without a channel map: no time, an array, or a column of another length."""
         table = self._table
         if "t" not in table.columns:
             suggested = suggested_map(columns_of_arrays(self._shapes))
@@ -127,6 +128,7 @@ class LeafColumns:
                 raise InputError(problem, remedy="say in a channel map which columns to read", channel=name)
 
     def _take_channel(self, leaf: Leaf) -> None:
+        """Take a variable as a channel."""
         if leaf.name != "t" and not self._mapped:
             check_name(leaf.name)
         if max(leaf.shape, default=0) != np.prod(leaf.shape, dtype=object):
@@ -136,6 +138,7 @@ class LeafColumns:
         self._add(leaf.name, leaf.values().reshape(-1))
 
     def _take_asked(self, leaf: Leaf, asked: list[RequestedColumn]) -> None:
+        """Take the columns of a variable that are asked for."""
         for part in asked:
             if leaf.kind != "numbers" and f"{part.array}.".startswith(f"{leaf.name}."):
                 remedy = "in MATLAB, save plain arrays of doubles"

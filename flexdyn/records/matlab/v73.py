@@ -98,6 +98,7 @@ class _Reader:
             yield self._leaf(node, name)
 
     def _leaf(self, dataset: Any, name: str) -> Leaf:
+        """What a dataset holds, by its class in MATLAB."""
         check_storage(dataset, name)
         kind = attribute(self._h5py, dataset, "MATLAB_class") or ""
         shape = tuple(int(extent) for extent in reversed(dataset.shape or ()))

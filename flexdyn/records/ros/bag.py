@@ -123,6 +123,7 @@ def _library() -> Iterator[None]:
 
 
 def _storage(path: Path, stack: ExitStack) -> Any:
+    """A file of a bag, opened by its reader after its sizes were checked."""
     suffix = path.suffix.lower()
     with _library():
         if suffix == ".mcap":

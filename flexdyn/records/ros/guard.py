@@ -97,6 +97,7 @@ def check_mcap(path: Path) -> dict[int, Chunk]:
 
 
 def _chunks(file: Any, size: int) -> Iterator[tuple[Chunk, bytes]]:
+    """Headers of the chunks of an MCAP file, with their packed bytes where they are compressed."""
     offset = 8
     while offset + 9 <= size:
         file.seek(offset)

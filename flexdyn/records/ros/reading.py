@@ -132,6 +132,7 @@ def _known(bag: Bag, name: str) -> str:
 
 
 def _collect(bag: Bag, every: Sequence[Series], request: Request) -> None:
+    """Read the messages of all topics; refuses a bag with more or fewer than its index announces."""
     by_topic: Mapping[str, Series] = {series.topic: series for series in every}
     total = sum(series.count for series in every)
     for topic, time, raw in bag.messages([bag.topics[name] for name in by_topic]):

@@ -108,6 +108,7 @@ class _Walk:
             self._field(description, (*path, name), depth)
 
     def _field(self, description: Any, path: Path, depth: int) -> None:
+        """Read a field: a nested message, a plain value, or an array of these."""
         node, what = description
         self.steps += 1
         if self.steps > _MOST_STEPS:
@@ -129,6 +130,7 @@ class _Walk:
                     self._field((kind, element), (*path, index), depth)
 
     def _base(self, kind: str, path: Path) -> None:
+        """Read a text or a single number."""
         if kind == "string":
             self.texts[path] = self._text()
         else:
@@ -153,12 +155,14 @@ class _Walk:
             self.numbers += [MessageNumber((*path, index), begin + size * index, code) for index in range(count)]
 
     def _count(self) -> int:
+        """Read the length of a sequence or text; messages of one layout have the same."""
         self._align(4)
         begin = self._take(4)
         self.fixed += range(begin, begin + 4)
         return int(struct.unpack_from(f"{self.order}I", self.raw, begin)[0])
 
     def _text(self) -> str:
+        """Read a text; its letters belong to the layout."""
         count = self._count()
         begin = self._take(count)
         self.fixed += range(begin, begin + count)
@@ -169,10 +173,12 @@ class _Walk:
             raise InputError("a text of the message is not UTF-8", value=data[:40]) from None
 
     def _align(self, size: int) -> None:
+        """Skip the padding of CDR before a value of this size."""
         if self.cdr:
             self.at += (self.origin - self.at) % size
 
     def _take(self, size: int) -> int:
+        """The place of the next bytes, and go on behind them."""
         begin = self.at
         if begin + size > len(self.raw):
             raise self._cut()

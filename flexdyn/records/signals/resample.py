@@ -125,6 +125,7 @@ def _means(rec: Recording, name: str, times: Array) -> Array:
 
 
 def _grid(rec: Recording, rate: float | None) -> Array:
+    """Times at an even rate from the first sample on."""
     value = sample_rate(rate)
     count = math.floor(rec.duration * value + 1e-6) + 1
     if not 2 <= count <= 1e9:
@@ -134,6 +135,7 @@ def _grid(rec: Recording, rate: float | None) -> Array:
 
 
 def _times(rec: Recording, times: npt.ArrayLike) -> Array:
+    """The new times as given: increasing, and inside the recording."""
     values = np.array(times, float)
     if values.ndim != 1 or len(values) < 2:
         raise InputError("no column of two times or more", key="times", value=values.shape, remedy="give (samples,)")
@@ -151,6 +153,7 @@ def _times(rec: Recording, times: npt.ArrayLike) -> Array:
 
 
 def _check_gaps(rec: Recording, longest_gap: float | None) -> None:
+    """Refuse a gap over which the values would be made up."""
     steps = np.diff(rec.t)
     longest_gap = gap_limit(rec.t) if longest_gap is None else longest_gap
     limit = number("longest_gap", longest_gap, "not a length of time", above=0.0, infinite=True, remedy="give seconds")
