@@ -136,6 +136,7 @@ def spring_torques(statics: Statics, q: Array, theta: Array) -> Array:
 
 
 def _check_links(statics: Statics, q: Array, theta: Array) -> None:
+    """Refuse rotor positions whose springs pull a link harder than its dry friction can hold."""
     model = statics.model
     negative, positive = levels(statics, q, theta, "link")
     net = statics.net(q, theta, np.zeros(model.n))[0]

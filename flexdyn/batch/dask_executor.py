@@ -205,6 +205,7 @@ def _is_client(where: Any) -> bool:
 
 
 def _connect(where: Any) -> Any:
+    """A client of the scheduler at this address; refuses one that does not answer."""
     with needed("dask.distributed", "batch"):
         import distributed
         from distributed.comm.addressing import resolve_address

@@ -128,6 +128,7 @@ def places(model: FlexibleJointModel, command: Any) -> dict[str, NumberPlace]:
 
 
 def _command_places(command: Any, groups: list[tuple[str, tuple[str, ...], bool]]) -> dict[str, NumberPlace]:
+    """Numbers of a command that a study can vary, by their paths."""
     if isinstance(command, Recording):
         return {"command.scale": NumberPlace("1", "scale")}
     if not isinstance(command, PD):

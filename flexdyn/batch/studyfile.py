@@ -189,6 +189,7 @@ def _duration(given: Any, model: FlexibleJointModel, command: Any) -> float:
 
 
 def _solver(entry: Any) -> dict[str, Any]:
+    """The solver's name and settings; ``auto`` if none is given."""
     if entry is None or entry == "auto" or entry == {"name": "auto"}:
         return {"name": "auto"}
     settings = {"name": entry} if isinstance(entry, str) else entry
@@ -209,6 +210,7 @@ def _keep(entry: Any) -> tuple[str, ...]:
 
 
 def _names(key: str, entry: Any) -> tuple[str, ...]:
+    """A list of names, none of them twice."""
     if entry is None:
         return ()
     if not isinstance(entry, Sequence) or isinstance(entry, str):

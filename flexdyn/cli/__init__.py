@@ -49,6 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: list[str]) -> int:
+    """Run a command; its exit code."""
     from flexdyn.cli.app import build
 
     if sys.stdout is None or sys.stderr is None:  # closed by the caller: >&-

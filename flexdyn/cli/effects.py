@@ -105,6 +105,7 @@ def _page(kind: type[Effect]) -> str:
 
 
 def _parameters(kind: type[Effect]) -> Any:
+    """The table of an effect's parameters: unit, default, what values it may have, and meaning."""
     told = meanings(kind)
     rows = []
     for field in kind.parameters():

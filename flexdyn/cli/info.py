@@ -177,6 +177,7 @@ def _tip(model: FlexibleJointModel) -> str | None:
 
 
 def _head(document: Mapping[str, Any]) -> str:
+    """What the model is: its robot, joints, mass, gravity, tip frame and locked joints."""
     elastic = sum(joint["elastic"] for joint in document["joints"])
     payload = f" and {number(document['payload'])} kg payload" if document["payload"] else ""
     lines = [
@@ -192,6 +193,7 @@ def _head(document: Mapping[str, Any]) -> str:
 
 
 def _drives(document: Mapping[str, Any]) -> Any:
+    """The table of the drives: their numbers, and the frequencies of their springs."""
     columns = ("joint", "drive", "gear", "J", "K", "D", "q", "M_ii", "f locked", "f free")
     rows = [
         (

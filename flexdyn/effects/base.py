@@ -289,6 +289,7 @@ class Effect:
         return out
 
     def _checked(self, field: dataclasses.Field[Any], value: Any) -> float:
+        """A parameter's value as a number; refuses one outside its bounds."""
         place = f"{self.name}.{field.name}"
         unit, lower, strict, infinite = (field.metadata[key] for key in ("unit", "lower", "strict", "infinite"))
         number = as_number(value)

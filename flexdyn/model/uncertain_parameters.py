@@ -68,6 +68,7 @@ def with_factors(
 
 
 def _of_joints(model: FlexibleJointModel) -> Iterable[FileNumber]:
+    """Numbers of drives and their motors."""
     for name, joint in model.joints.items():
         for parameter in OF_JOINT:
             path = f"joints.{name}.{parameter}"
@@ -98,6 +99,7 @@ def _of_links(model: FlexibleJointModel) -> Iterable[FileNumber]:
 
 
 def _of_effects(model: FlexibleJointModel) -> Iterable[FileNumber]:
+    """Numbers of effects; not of springs, payloads, sensors or errors, and not the exact ratio of a coupling."""
     for i, effect in enumerate(model.effects):
         if isinstance(effect, ParameterError | JointElasticity | Payload | SensorEffect):
             continue

@@ -184,6 +184,7 @@ def _trace(curve: Curve) -> dict[str, Any]:
 
 
 def _bars(panel: Panel, place: dict[str, str]) -> list[dict[str, Any]]:
+    """Traces of a panel of bars: the bars, and a mark on each for the largest error."""
     up = np.arange(len(panel.bars))[::-1]
     colours = [bar.colour for bar in panel.bars]
     names = [_escaped(bar.name) for bar in panel.bars]

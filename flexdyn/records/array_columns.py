@@ -72,6 +72,7 @@ def parts_of(keys: Iterable[str | int], arrays: Collection[str]) -> list[Request
 
 
 def _part(key: str | int, arrays: Collection[str]) -> RequestedColumn:
+    """An array as a whole, or one row or column of it: q, q[0,:] or q[:,0]."""
     name = str(key)
     if isinstance(key, str) and name in arrays:
         return RequestedColumn(name, name)

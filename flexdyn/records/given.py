@@ -43,6 +43,7 @@ def as_recordings(given: Any, key: str = "recordings") -> tuple[Recording, ...]:
 
 
 def _made(given: Any, key: str | None) -> Recording:
+    """A recording from a path, a table of pandas, a dataset of xarray, or what offers one."""
     if isinstance(given, str | os.PathLike):
         return read_recording(given)
     library = _library(given)

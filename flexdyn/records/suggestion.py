@@ -96,6 +96,7 @@ def _is_time(name: str) -> bool:
 
 
 def _signal(name: str) -> str:
+    """The signal that a column is likely to be, by its unit or else by words in its name; empty if neither tells."""
     bare, unit = split_unit(name)
     if unit and plain_unit(unit) in UNITS:
         return _SIGNALS.get(UNITS[plain_unit(unit)].quantity, "")

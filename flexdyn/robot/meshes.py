@@ -113,6 +113,7 @@ def find_mesh(address: str, urdf: Path, roots: Iterable[tuple[Path, bool]]) -> P
 
 
 def _package_roots(urdf: Path, package_dirs: Sequence[Path]) -> Iterable[tuple[Path, bool]]:
+    """Folders where packages may be, the most likely first, and whether the user named them."""
     for folder in package_dirs:
         yield Path(os.path.normpath(folder)), True
     for folder in urdf.parents:

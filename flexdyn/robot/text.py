@@ -50,6 +50,7 @@ def _joint(joint: RobotJoint) -> str:
 
 
 def _visual(visual: Visual) -> str:
+    """A shape in the URDF's syntax."""
     shape, values = visual.shape, list(visual.size)
     if visual.mesh:
         shape += f" filename={quoteattr(visual.mesh)}"

@@ -127,6 +127,7 @@ def with_payloads(robot: Robot, effects: Iterable[Effect]) -> Tree:
 
 @lru_cache(maxsize=16)
 def _loaded_tree(robot: Robot, payloads: tuple[Payload, ...], rigid_inertia: tuple[float, ...]) -> Tree:
+    """The tree with payloads and rotors; rotors of rigid joints add to the inertia of their links."""
     tree = with_payloads(robot, payloads)
     for axis in robot.axes:
         tree = tree.with_rotor(robot.joint_index(axis), prismatic=robot.angle_unit(axis) == "m")

@@ -176,6 +176,7 @@ def _stopped(model: FlexibleJointModel, error: Any, t: float) -> SimulationError
 
 
 def _finished(job: Job, report: Mapping[str, Any]) -> Run | FlexdynError:
+    """The run, or the error that ended it."""
     error = report["error"]
     if error is not None:
         if isinstance(error, FlexdynError):

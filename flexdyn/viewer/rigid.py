@@ -53,6 +53,7 @@ def without_elasticity(
 
 
 def _beside_run(source: Run, given: Any) -> tuple[PlayedMotion, tuple[str, ...]]:
+    """The rigid arm's motion under a run's command or another one, and notes on it."""
     inputs, rigid = source.inputs, source.model.rigid()
     command = inputs.controller if given is None else given
     notes = ("forces at frames are not applied to the rigid arm",) if inputs.external else ()
@@ -69,6 +70,7 @@ def _beside_run(source: Run, given: Any) -> tuple[PlayedMotion, tuple[str, ...]]
 def _beside_recording(
     source: Recording, model: FlexibleJointModel, shown: PlayedMotion, command: Any
 ) -> tuple[PlayedMotion, tuple[str, ...]]:
+    """The rigid arm's motion under a recording's torques or a command, and notes on it."""
     rigid, times = model.rigid(), shown.t - shown.t[0]
     if command is None:
         idle = _idle(source, model)

@@ -66,6 +66,7 @@ def _handler(page: bytes) -> type[BaseHTTPRequestHandler]:
         do_HEAD = do_GET
 
         def _answer(self) -> None:
+            """Send the headers, and the page where it is asked for."""
             self.send_response(HTTPStatus.OK)
             for name, value in (
                 ("Content-Type", "text/html; charset=utf-8"),

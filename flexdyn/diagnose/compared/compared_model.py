@@ -72,6 +72,7 @@ def compared_model(given: Given, label: str) -> ComparedModel:
 
 
 def _read(report: Path) -> dict[str, Any]:
+    """The content of a report of a diagnosis; refuses any other file."""
     try:
         content: dict[str, Any] = json.loads(report.read_text(encoding="utf-8"))
         schema = str(content["schema"])

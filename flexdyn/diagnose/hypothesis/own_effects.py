@@ -94,6 +94,7 @@ class Law:
         return chosen
 
     def _is_linear(self, names: Sequence[str], base: Mapping[str, float]) -> bool:
+        """Whether the torque is linear in these parameters, and each of them acts."""
         nothing = dict(base) | dict.fromkeys(names, 0.0)
         try:
             whole = self.added(base, self.some)

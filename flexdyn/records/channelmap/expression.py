@@ -59,6 +59,7 @@ class Expression:
         return np.asarray(self._value(self._tree, channels), dtype=float)
 
     def _value(self, node: ast.expr, channels: Mapping[str, Array]) -> Any:
+        """The value of a part of the expression."""
         match node:
             case ast.BinOp(left, op, right):
                 return _OPERATIONS[type(op)](self._value(left, channels), self._value(right, channels))

@@ -101,6 +101,7 @@ def own_channels(columns: Mapping[str, MessageNumber], topic: str, msgtype: str)
 
 
 def _plain(number: MessageNumber, joints: list[str], lengths: Mapping[Path, int], msgtype: str) -> str:
+    """The name of a number, with its joint's name in place of the index where a list is one of joints."""
     *head, last = number.path
     if joints and isinstance(last, int):
         count = lengths[number.path[:-1]]

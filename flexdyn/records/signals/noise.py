@@ -149,6 +149,7 @@ def _estimated(t: Array, x: Array, step: float | None) -> tuple[float, Spectrum 
 
 
 def _checked(t: npt.ArrayLike, x: npt.ArrayLike) -> tuple[Array, Array]:
+    """Times and samples of one channel; refuses too few, gaps and time that does not increase."""
     times, samples = np.asarray(t, float), np.asarray(x, float)
     if times.ndim != 1 or samples.shape != times.shape:
         problem = f"times {times.shape} and samples {samples.shape} are no two columns of one length"

@@ -190,6 +190,7 @@ class Smoother:
         return np.asarray(out * self.rate**power if power else out + start)
 
     def _check(self, samples: Array) -> None:
+        """Refuse samples of a wrong shape, too few, or with gaps."""
         if samples.ndim not in (1, 2):
             remedy = "give (samples,) or (samples, channels)"
             raise InputError("the samples are no column or table", key="x", value=samples.shape, remedy=remedy)
