@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.corrected import is_seen, needed, possible
+from flexdyn.diagnose.decision.corrected import corrected, is_seen, least_deviation, needed, possible
+from flexdyn.diagnose.decision.findings import reported_names
 from flexdyn.diagnose.decision.gaps import nearer
 from flexdyn.diagnose.decision.run import diagnose
 from flexdyn.diagnose.hypothesis.estimate import fit
@@ -106,7 +108,7 @@ def test_an_effect_is_seen_where_its_size_is_more_than_its_error(tmp_path: Path,
     begun = CoulombFriction("axle", side="link", level=0.5)
     law = Proposal({"effect": "coulomb_friction", "joint": "axle", "side": "link"}, lambda point, x: begun)
     made = fit(dataclasses.replace(start, effects=(begun,)), weighed(bare, noise))
-    assert is_seen(Candidate("coulomb_friction", law, None, [()], [], 1), made) is seen
+    assert is_seen(Candidate("coulomb_friction", law, None, [()], [], 1), made, 0.0) is seen
 
 
 @pytest.mark.parametrize(("factor", "seen"), [(1.0, False), (0.8, True)])
@@ -118,7 +120,7 @@ def test_a_number_is_seen_where_it_differs_from_the_files_by_more_than_its_error
     bare, noise, start = prepared(model, (measured(model, _turned(0.0)),))
     number = next(each for each in start.factors if each.parameter == "link_inertia")
     made = fit(dataclasses.replace(start, freed=frozenset({number})), weighed(bare, noise))
-    assert is_seen(Candidate("link_inertia", None, number, [()], [], 1), made) is seen
+    assert is_seen(Candidate("link_inertia", None, number, [()], [], 1), made, 0.0) is seen
 
 
 @pytest.mark.parametrize(("steps", "named"), [(0.7, False), (10.0, True)])
@@ -145,3 +147,27 @@ def test_the_least_size_of_a_wave_is_a_step_of_the_encoder(tmp_path: Path) -> No
     for amplitude in (5.0 * STEP, 40.0 * STEP):
         disc = EncoderEccentricity("q.axle", amplitude=amplitude, harmonic=3.0, phase=0.0)
         assert library.sizes.of(disc, change)[1] == pytest.approx(STEP / amplitude, rel=0.1)
+
+
+def test_what_a_deviation_is_worth_depends_on_the_prior_odds() -> None:
+    """The likeliest size makes odds of 19, from even odds and from 1 to 20; from 20 to 1 hardly any is needed."""
+    even, seldom = least_deviation(0.0), least_deviation(-np.log(20.0))
+    sizes = np.linspace(0.0, 8.0, 8001)
+    for z, odds in ((even, 1.0), (seldom, 1.0 / 20.0)):
+        factors = norm.pdf(z, sizes) / norm.pdf(z, 0.0)
+        assert odds * factors.max() == pytest.approx(19.0, rel=1e-3)
+    assert least_deviation(np.log(20.0)) == pytest.approx(norm.ppf(0.95))
+
+
+@pytest.mark.parametrize("unnamed", [False, True])
+def test_a_number_beyond_its_tolerance_is_a_finding_only_where_all_effects_have_names(
+    tmp_path: Path, unnamed: bool
+) -> None:
+    """An inertia half too small, which the fit corrects: beside an effect without a name it may imitate that."""
+    model = _wheel(tmp_path, 0.5 * INERTIA)
+    bare, noise, start = prepared(model, (measured(model, _turned(0.0)),))
+    answer = corrected(posterior(bare, noise, start), weighed(bare, noise))
+    (inertia,) = [each.candidate for each in answer.names]
+    effect = next(c for c, each in enumerate(answer.candidates) if each.number is None)
+    nameless = dataclasses.replace(answer, names=(), genuine={effect: 0.5} if unnamed else {})
+    assert [each.candidate for each in reported_names(nameless)] == ([] if unnamed else [inertia])

@@ -27,6 +27,14 @@ REPORTED = {
 }
 """Errors in the report [%], in the order of the table."""
 COLOURS = ("#b3261e", "#1b5e9e")
+ABOVE: dict[str, Any] = {
+    "loc": "lower right",
+    "bbox_to_anchor": (1.0, 0.98),
+    "ncols": 2,
+    "fontsize": 8,
+    "frameon": False,
+}
+"""A legend above its axes: the curves fill them."""
 
 
 def write_page(made: Study, held: Sequence[Bound], folder: Path) -> None:
@@ -65,13 +73,13 @@ def _draw_loops(made: Study, path: Path) -> None:
         axes[2 * k].plot(loop.t, loop.force[:, 0], color="0.6", lw=0.8, label="measured")
         axes[2 * k].plot(loop.t, loop.force[:, 1], color=COLOURS[1], lw=0.8, label="simulated, controller in the loop")
         axes[2 * k].set(ylabel="force [N]", title=record)
-        axes[2 * k].legend(loc="upper right", ncols=2, fontsize=8)
+        axes[2 * k].legend(**ABOVE)
         for name, colour in zip((PUBLISHED, AFTER), COLOURS, strict=True):
             each = made.accounts[name].loops[record]
             text = f"{name}: {100 * each.force_error:.2f} %"
             axes[2 * k + 1].plot(each.t, each.force[:, 1] - each.force[:, 0], color=colour, lw=0.6, label=text)
         axes[2 * k + 1].set(ylabel="error [N]", ylim=(-30, 30))
-        axes[2 * k + 1].legend(loc="upper right", ncols=2, fontsize=8)
+        axes[2 * k + 1].legend(**ABOVE)
     axes[-1].set_xlabel("t [s]")
     figure.tight_layout()
     figure.savefig(path, dpi=110)

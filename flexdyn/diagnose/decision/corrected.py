@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from scipy.special import ndtr
+from scipy.special import ndtri
 
 from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.even_odds import told_by_data
@@ -180,7 +181,7 @@ def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
 
 def _stays(space: Space, c: int, made: Fit, smallest: float) -> bool:
     """Whether the fitted effect of a candidate is seen, and at least as large as an effect must be."""
-    if not is_seen(space.candidates[c], made):
+    if not is_seen(space.candidates[c], made, space.log_places(frozenset({(c, 0)}))):
         return False
     here, effect = made.hypothesis, effect_of(space.candidates[c], made.hypothesis)
     if effect is None:
@@ -191,10 +192,13 @@ def _stays(space: Space, c: int, made: Fit, smallest: float) -> bool:
     return share >= least
 
 
-def is_seen(candidate: Candidate, made: Fit) -> bool:
+def is_seen(candidate: Candidate, made: Fit, log_odds: float) -> bool:
     """Whether a fit tells a candidate from nothing, and a number of the file from its tolerance.
 
-    The probability by the standard deviation of its size is at least that of an established name.
+    Args:
+        candidate: of the structure.
+        made: the fit.
+        log_odds: prior log odds that the candidate is there.
     """
     here, number = made.hypothesis, candidate.number
     if number is not None:
@@ -203,7 +207,21 @@ def is_seen(candidate: Candidate, made: Fit) -> bool:
         effect, std = effect_of(candidate, here), made.std()
         sizes = {} if effect is None else effect.neutral
         off = [(abs(getattr(effect, k) - x), std[effect, k]) for k, x in sizes.items() if effect and (effect, k) in std]
-    return not off or max(float(ndtr(x / max(sigma, 1e-300))) for x, sigma in off) >= ESTABLISHED
+    return not off or max(x / max(sigma, 1e-300) for x, sigma in off) >= least_deviation(log_odds)
+
+
+def least_deviation(log_odds: float) -> float:
+    """Standard deviations by which the size of an established name differs from nothing.
+
+    A deviation of z has a Bayes factor of ``exp(z^2/2)`` at most, whatever the prior of the size (Edwards, Lindman and
+    Savage, 1963). With the prior odds of the place it must reach the odds of an established name. Where these are high
+    enough without data, the probability by the standard deviation alone must be that of an established name.
+
+    Args:
+        log_odds: prior log odds that there is such an effect.
+    """
+    wanted = math.log(ESTABLISHED / (1.0 - ESTABLISHED)) - log_odds
+    return max(float(ndtri(ESTABLISHED)), math.sqrt(2.0 * max(wanted, 0.0)))
 
 
 def effect_of(candidate: Candidate, here: Hypothesis) -> Effect | None:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 from scipy.special import ndtr
 
-from flexdyn.diagnose.decision.corrected import Corrected, effect_of, needed
+from flexdyn.diagnose.decision.corrected import Corrected, effect_of, least_deviation, needed
 from flexdyn.diagnose.decision.gains import in_order
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.suspects import numbers_of, suspect_of
@@ -48,18 +48,21 @@ def reported_names(found: Corrected) -> list[Name]:
     """The names that are findings, and numbers without a name that are certainly beyond their tolerance.
 
     Numbers that came back into their tolerance, and lags of torques within one sample, are no findings. Numbers without
-    a name are added only where the equations leave noise alone: otherwise such a number may imitate an effect that has
-    no name.
+    a name are added only where the equations leave noise alone, and every effect of the best structure has a name:
+    otherwise such a number may imitate an effect that has none.
     """
     own = [each for each in found.names if (n := found.candidates[each.candidate].number) is None or _beyond(found, n)]
     own = [each for each in own if not _is_within_a_sample(found, found.effect(each.candidate))]
-    if not found.explained or found.fitted.block:  # fits to windows displace numbers that the equations determine
-        return own
     named = {each.candidate for each in found.names}
+    unnamed = {c for c in found.genuine if c not in named and found.candidates[c].number is None}
+    if not found.explained or unnamed or found.fitted.block:  # fits to windows displace numbers
+        return own
     for c, candidate in enumerate(found.candidates):
         if candidate.number is not None and c not in named:
-            probability = _surely_beyond(found, candidate.number) * found.genuine.get(c, 1.0)
-            if probability >= ESTABLISHED:
+            deviation = _beyond_by(found, candidate.number)
+            probability = float(ndtr(deviation)) * found.genuine.get(c, 1.0)
+            least = least_deviation(found.space.log_places(frozenset({(c, 0)})))
+            if probability >= ESTABLISHED and deviation >= least:
                 own.append(Name(c, (), probability))
     return own
 
@@ -80,10 +83,10 @@ def _beyond(found: Corrected, number: FileNumber) -> bool:
     return abs(found.hypothesis.factors[number] - 1.0) > IN_TOLERANCE * number.tolerance
 
 
-def _surely_beyond(found: Corrected, number: FileNumber) -> float:
-    """Probability that a number is out of its tolerance, by its standard deviation alone."""
+def _beyond_by(found: Corrected, number: FileNumber) -> float:
+    """Standard deviations by which a number is out of its tolerance [1]; negative within it."""
     off = abs(found.hypothesis.factors[number] - 1.0) - IN_TOLERANCE * number.tolerance
-    return float(ndtr(off / max(found.fitted.factor_std()[number], 1e-300)))
+    return float(off / max(found.fitted.factor_std()[number], 1e-300))
 
 
 def _finding(model: FlexibleJointModel, found: Corrected, name: Name, gains: Mapping[int, float]) -> Finding:

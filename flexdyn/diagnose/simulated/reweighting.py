@@ -99,8 +99,9 @@ class Simulated:
                 self.fitted.add(structure)
 
     def _take(self, structure: Structure, made: WindowFit) -> None:
-        self.fits[structure] = made
-        self.known[structure] = made.log_posterior + self.found.space.log_volume(structure)
+        if math.isfinite(made.log_posterior):  # else no window could be simulated
+            self.fits[structure] = made
+            self.known[structure] = made.log_posterior + self.found.space.log_volume(structure)
 
     def best(self) -> Structure:
         """The most likely of those simulated."""
@@ -119,12 +120,12 @@ class Simulated:
             self.fit(structure)
 
     def grown(self, here: Structure) -> Structure:
-        """A fitted structure with what its windows lack, candidate by candidate, as long as that is better."""
+        """A fitted structure with what its windows lack, candidate by candidate, as long as that is worthwhile."""
         if len(here) >= LARGEST_QUESTIONED:
             return here
         for more in self._first(self._with_one_more(here, ADDITIONS))[:1]:
             self.fit(more)
-            if self.known[more] > self.known[here]:
+            if self._is_worthwhile(more, here):
                 return self.grown(more)
         return here
 
@@ -166,10 +167,14 @@ class Simulated:
         for _ in range(SEARCH_ROUNDS if self.known else 0):
             here = self.best()
             self.around(here)
-            if self.best() == here:
+            if not self._is_worthwhile(self.best(), here):
                 break
             self.grown(self.best())
         return self.best() if self.known else start
+
+    def _is_worthwhile(self, there: Structure, here: Structure) -> bool:
+        """Whether a search goes on from a structure that came after another one."""
+        return self.known[there] - self.known[here] > self.fits[there].worthwhile
 
     def _first(self, structures: list[Structure]) -> list[Structure]:
         """Those that could be simulated, the most likely one first."""
