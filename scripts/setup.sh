@@ -38,7 +38,8 @@ make_venv() {
   fi
   # Without pip, an earlier attempt was interrupted.
   if [ ! -x .venv/bin/python ] || [ ! -x .venv/bin/pip ]; then
-    "$python" -m venv .venv || {
+    # uv, where there is one, makes the same in a tenth of the time.
+    uv venv --quiet --clear --seed --python "$(command -v "$python")" .venv 2>/dev/null || "$python" -m venv .venv || {
       rm -rf .venv
       fail "python's venv module does not work. Debian, Ubuntu: apt install python3-venv"
     }

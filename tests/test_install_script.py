@@ -62,9 +62,10 @@ def run(tmp_path: Path) -> Run:
     (tmp_path / "pip.py").write_text(PIP)
     (tmp_path / "log").touch()
 
-    def install(extras: str, wheel: Path | None = None) -> tuple[int, list[str]]:
+    def install(extras: str, wheel: Path | None = None, uv: str = "") -> tuple[int, list[str]]:
         pip = [sys.executable, str(tmp_path / "pip.py")]
-        code = script.main(tmp_path / "checkout", tmp_path / "site", tmp_path / "stamp.json", extras, pip, wheel)
+        places = tmp_path / "checkout", tmp_path / "site", tmp_path / "stamp.json"
+        code = script.main(*places, extras, pip, wheel, lambda pip: [sys.executable, "-c", uv] if uv else [])
         return code, (tmp_path / "log").read_text().splitlines()
 
     return install
@@ -133,6 +134,18 @@ def test_after_a_failure_it_is_tried_again(run: Run, tmp_path: Path, step: str) 
     assert code == 0
     assert asked[-2:] == ANEW
     assert asked.count("arm-1.whl") == 2
+
+
+def test_uv_installs_and_where_it_cannot_pip_does(run: Run, tmp_path: Path) -> None:
+    """The libraries say whether uv works here; the package is built and installed by what installed them."""
+    as_pip = f"import runpy, sys; sys.argv[1:2] = []; runpy.run_path({str(tmp_path / 'pip.py')!r})"
+    built = "import sys, pathlib; pathlib.Path(sys.argv[-1], 'arm-1.whl').touch()"
+    works = f"import sys\nif sys.argv[1] == 'build':\n    {built}\nelse:\n    {as_pip}"
+    code, asked = run("test,docs", uv=works)
+    assert code == 0
+    assert [line.removeprefix(f"{Path(sys.executable).name} ") for line in asked] == ANEW
+    (tmp_path / "checkout" / "flexdyn" / "__init__.py").write_text("a = 2\n")
+    assert run("test,docs", uv="import sys; sys.exit(2)")[1][2:] == ANEW
 
 
 def test_what_pip_did_by_hand_is_noticed(run: Run, tmp_path: Path) -> None:
