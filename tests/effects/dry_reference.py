@@ -72,7 +72,7 @@ def _stuck(contact: Contact) -> tuple[Any, list[Any]]:
     return f, [up, down]
 
 
-def integrate(contact: Contact, x0: State, times: Array, max_step: float = 0.01) -> tuple[Array, list[float]]:
+def integrate(contact: Contact, x0: State, times: Array, max_step: float = 0.05) -> tuple[Array, list[float]]:
     """States at `times`, and the instants at which the contact stopped, broke away or passed a corner of its level."""
     t, x = 0.0, np.array(x0, dtype=float)
     out: list[Array] = []
