@@ -7,6 +7,7 @@ bytecode: where Python may not write it either, each process that a test starts 
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import sys
@@ -41,6 +42,17 @@ def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("dist", "no") == "load":
         config.option.dist = "loadfile"
     config.option.loadscopereorder = False
+
+
+def pytest_collection(session: pytest.Session) -> None:
+    """While thousands of tests are made, nothing becomes garbage."""
+    gc.disable()
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """They stay to the end: nobody looks through them for garbage again."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
