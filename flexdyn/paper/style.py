@@ -42,6 +42,7 @@ def save(figure: Figure, folder: Path) -> list[Path]:
             path = folder / f"{figure.name}.{kind}"
             with replacing(path) as fresh:
                 canvas.savefig(fresh, format=kind, metadata=stamp)
+            canvas.set_layout_engine("none")  # the places that were found are those of both files
             paths.append(path)
     return paths
 
