@@ -23,6 +23,7 @@ from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.passes import posterior
 from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.effects import (
+    AsymmetricFriction,
     CoulombFriction,
     Effect,
     EncoderEccentricity,
@@ -30,7 +31,7 @@ from flexdyn.effects import (
     LoadDependentFriction,
     ViscousFriction,
 )
-from tests.diagnose.truths import sliding
+from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 
 SOFT = {name: JointElasticity(name, stiffness=900.0) for name in ("shoulder", "elbow")}
 LOADED = {name: LoadDependentFriction(name, side="motor", coefficient=0.1) for name in ("shoulder", "elbow")}
@@ -147,6 +148,25 @@ def test_the_least_size_of_a_wave_is_a_step_of_the_encoder(tmp_path: Path) -> No
     for amplitude in (5.0 * STEP, 40.0 * STEP):
         disc = EncoderEccentricity("q.axle", amplitude=amplitude, harmonic=3.0, phase=0.0)
         assert library.sizes.of(disc, change)[1] == pytest.approx(STEP / amplitude, rel=0.1)
+
+
+def test_sizes_of_one_law_differ_from_nothing_together(tmp_path: Path) -> None:
+    """Levels of both directions: by as many standard deviations as the root of what chi^2 rises by without them."""
+    t, levels = np.arange(6000) / 500.0, Levels(2e-6, 0.02)
+    force = 4.0 * np.cos(4.4 * t) + 2.5 * np.cos(11.9 * t)
+    x, _ = sliding(force, 1.0 / 500.0, INERTIA, 0.01)
+    model = slider_model(tmp_path)
+    bare, noise, start = prepared(model, (measured(model, slider_recording(x, force, 500.0, levels, 0)),))
+    law, space = AsymmetricFriction("lift", side="link", level_positive=0.01, level_negative=0.01), weighed(bare, noise)
+    made, without = (fit(dataclasses.replace(start, effects=each), space) for each in ((law,), ()))
+    (found,) = made.hypothesis.effects
+    sizes = {(found, name): getattr(found, name) for name in ("level_positive", "level_negative")}
+    alone = [made.deviation({key: size}) for key, size in sizes.items()]
+    assert alone == pytest.approx([size / made.std()[key] for key, size in sizes.items()])
+    together = made.deviation(sizes)
+    assert together > 1.2 * max(alone)
+    assert together**2 == pytest.approx(without.chi2 - made.chi2, rel=0.3)
+    assert made.deviation({(found, "level_positive"): np.inf}) == np.inf
 
 
 def test_what_a_deviation_is_worth_depends_on_the_prior_odds() -> None:

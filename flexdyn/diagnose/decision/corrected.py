@@ -136,9 +136,9 @@ def corrected(
     made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
     # An effect that explains more in simulations than remains there may be small in the equations.
     least = {c: 0.0 if simulated.get(c, 0.0) > 1.0 else SMALLEST_TORQUE_SHARE for c in best}
-    large = tuple(each for each in kept if _stays(space, each.candidate, made, least[each.candidate]))
-    if large != kept:  # the linear equations promised too much
-        kept, made = large, _fitted(made, [space.candidates[each.candidate] for each in large])
+    # The linear equations may have promised too much; what is left out displaces the others.
+    while kept != (kept := tuple(each for each in kept if _stays(space, each.candidate, made, least[each.candidate]))):
+        made = _fitted(made, [space.candidates[each.candidate] for each in kept])
     made = made if converged(made) or made.block else fit(made.hypothesis, made.space)
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = leaves_noise(made, plain)
@@ -200,14 +200,15 @@ def is_seen(candidate: Candidate, made: Fit, log_odds: float) -> bool:
         made: the fit.
         log_odds: prior log odds that the candidate is there.
     """
-    here, number = made.hypothesis, candidate.number
+    number, least = candidate.number, least_deviation(log_odds)
     if number is not None:
-        off = [(abs(here.factors[number] - 1.0) - number.tolerance, made.factor_std()[number])]
-    else:
-        effect, std = effect_of(candidate, here), made.std()
-        sizes = {} if effect is None else effect.neutral
-        off = [(abs(getattr(effect, k) - x), std[effect, k]) for k, x in sizes.items() if effect and (effect, k) in std]
-    return not off or max(x / max(sigma, 1e-300) for x, sigma in off) >= least_deviation(log_odds)
+        off = abs(made.hypothesis.factors[number] - 1.0) - number.tolerance
+        return off >= least * made.factor_std()[number]
+    effect = effect_of(candidate, made.hypothesis)
+    known = set(made.hypothesis.unknowns())
+    sizes = {} if effect is None else {(effect, k): getattr(effect, k) - x for k, x in effect.neutral.items()}
+    changes = {key: change for key, change in sizes.items() if key in known}
+    return not changes or made.deviation(changes) >= least
 
 
 def least_deviation(log_odds: float) -> float:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -77,6 +78,23 @@ class Fit:
         sigma = self._spread[first : first + len(self.scales)]
         keys = self.hypothesis.unknowns()
         return {key: float(s) * scale for key, s, scale in zip(keys, sigma, self.scales, strict=True)}
+
+    def deviation(self, changes: Mapping[tuple[Effect, str], float]) -> float:
+        """Standard deviations by which unknowns differ from other values together: ``sqrt(x^T C^-1 x)`` [1].
+
+        Args:
+            changes: differences x of some unknowns of the effects from these values.
+        """
+        first, keys = len(self.hypothesis.factors), self.hypothesis.unknowns()
+        places = np.array([first + keys.index(key) for key in changes])
+        x = np.array([change / self.scales[keys.index(key)] for key, change in changes.items()])
+        if not np.isfinite(x).all():
+            return math.inf  # a stiffness differs from that of a rigid joint
+        variance = np.diag(self.regression.covariance)[places]
+        places, x, variance = (each[variance > 0.0] for each in (places, x, variance))  # no row sees the others
+        wider = self._spread[places] / np.sqrt(variance)
+        C = self.regression.covariance[np.ix_(places, places)] * np.outer(wider, wider)
+        return float(np.sqrt(max(x @ np.linalg.lstsq(C, x, rcond=1e-12)[0], 0.0)))
 
     def factor_std(self) -> dict[FileNumber, float]:
         """Standard deviations of the file's numbers' factors."""
