@@ -180,8 +180,18 @@ def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
 
 
 def _stays(space: Space, c: int, made: Fit, smallest: float) -> bool:
-    """Whether the fitted effect of a candidate is seen, and at least as large as an effect must be."""
-    if not is_seen(space.candidates[c], made, space.log_places(frozenset({(c, 0)}))):
+    """Whether the fitted effect of a candidate is seen, and at least as large as an effect must be.
+
+    Fits to windows have errors of their own where friction holds. So the equations must see a number of the file, too.
+    """
+    candidate, log_odds = space.candidates[c], space.log_places(frozenset({(c, 0)}))
+    if not is_seen(candidate, made, log_odds):
+        return False
+    if (
+        candidate.number is not None
+        and made.block
+        and not is_seen(candidate, fit(made.hypothesis, made.space), log_odds)
+    ):
         return False
     here, effect = made.hypothesis, effect_of(space.candidates[c], made.hypothesis)
     if effect is None:
