@@ -11,10 +11,12 @@ from scipy.stats import norm
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.corrected import corrected, is_seen, least_deviation, needed, possible
+from flexdyn.diagnose.decision.corrected import corrected
 from flexdyn.diagnose.decision.findings import reported_names
 from flexdyn.diagnose.decision.gaps import nearer
+from flexdyn.diagnose.decision.model_effects import needed, possible
 from flexdyn.diagnose.decision.run import diagnose
+from flexdyn.diagnose.decision.seen import is_seen, least_deviation
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.proposal import Proposal

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-
-from scipy.special import ndtri
 
 from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.even_odds import told_by_data
 from flexdyn.diagnose.decision.held_out import ModelRows
 from flexdyn.diagnose.decision.masses import Masses
+from flexdyn.diagnose.decision.model_effects import effect_of, needed, possible
 from flexdyn.diagnose.decision.naming import Name, names, standing_in
+from flexdyn.diagnose.decision.seen import stays
 from flexdyn.diagnose.decision.verdict import left
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
@@ -26,7 +25,7 @@ from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.report.suspects import ESTABLISHED
-from flexdyn.effects import Effect, JointEffect
+from flexdyn.effects import Effect
 
 Share = Callable[[int], float]
 PROMISED_SHARE, PROMISED_DROP = 0.005, 10.0
@@ -137,7 +136,7 @@ def corrected(
     # An effect that explains more in simulations than remains there may be small in the equations.
     least = {c: 0.0 if simulated.get(c, 0.0) > 1.0 else SMALLEST_TORQUE_SHARE for c in best}
     # The linear equations may have promised too much; what is left out displaces the others.
-    while kept != (kept := tuple(each for each in kept if _stays(space, each.candidate, made, least[each.candidate]))):
+    while kept != (kept := tuple(each for each in kept if stays(space, each.candidate, made, least[each.candidate]))):
         made = _fitted(made, [space.candidates[each.candidate] for each in kept])
     made = made if converged(made) or made.block else fit(made.hypothesis, made.space)
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
@@ -179,68 +178,6 @@ def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
     return effect is not None and not effect.is_neutral
 
 
-def _stays(space: Space, c: int, made: Fit, smallest: float) -> bool:
-    """Whether the fitted effect of a candidate is seen, and at least as large as an effect must be.
-
-    Fits to windows have errors of their own where friction holds. So the equations must see a number of the file, too.
-    """
-    candidate, log_odds = space.candidates[c], space.log_places(frozenset({(c, 0)}))
-    if not is_seen(candidate, made, log_odds):
-        return False
-    if (
-        candidate.number is not None
-        and made.block
-        and not is_seen(candidate, fit(made.hypothesis, made.space), log_odds)
-    ):
-        return False
-    here, effect = made.hypothesis, effect_of(space.candidates[c], made.hypothesis)
-    if effect is None:
-        return space.candidates[c].number is not None
-    without = dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not effect]))
-    change = made.equations.residual - made.equations.of(without.model()).residual
-    share, least = space.library.sizes.of(effect, change, smallest)
-    return share >= least
-
-
-def is_seen(candidate: Candidate, made: Fit, log_odds: float) -> bool:
-    """Whether a fit tells a candidate from nothing, and a number of the file from its tolerance.
-
-    Args:
-        candidate: of the structure.
-        made: the fit.
-        log_odds: prior log odds that the candidate is there.
-    """
-    number, least = candidate.number, least_deviation(log_odds)
-    if number is not None:
-        off = abs(made.hypothesis.factors[number] - 1.0) - number.tolerance
-        return off >= least * made.factor_std()[number]
-    effect = effect_of(candidate, made.hypothesis)
-    known = set(made.hypothesis.unknowns())
-    sizes = {} if effect is None else {(effect, k): getattr(effect, k) - x for k, x in effect.neutral.items()}
-    changes = {key: change for key, change in sizes.items() if key in known}
-    return not changes or made.deviation(changes) >= least
-
-
-def least_deviation(log_odds: float) -> float:
-    """Standard deviations by which the size of an established name differs from nothing.
-
-    A deviation of z has a Bayes factor of ``exp(z^2/2)`` at most, whatever the prior of the size (Edwards, Lindman and
-    Savage, 1963). With the prior odds of the place it must reach the odds of an established name. Where these are high
-    enough without data, the probability by the standard deviation alone must be that of an established name.
-
-    Args:
-        log_odds: prior log odds that there is such an effect.
-    """
-    wanted = math.log(ESTABLISHED / (1.0 - ESTABLISHED)) - log_odds
-    return max(float(ndtri(ESTABLISHED)), math.sqrt(2.0 * max(wanted, 0.0)))
-
-
-def effect_of(candidate: Candidate, here: Hypothesis) -> Effect | None:
-    """A hypothesis' effect of a candidate's kind and place."""
-    proposal = candidate.proposal
-    return None if proposal is None else next((each for each in here.effects if proposal.is_of(each)), None)
-
-
 def _may_stand_in(space: Space, masses: Masses, c: int) -> bool:
     """Whether a candidate may be reported as a rival: not a number that stays in its tolerance."""
     candidate = space.candidates[c]
@@ -261,21 +198,6 @@ def _fitted(found: Fit, kept: list[Candidate]) -> Fit:
     if effects == here.effects and freed == here.freed:
         return found
     return fit(dataclasses.replace(here, effects=effects, freed=freed), found.space)
-
-
-def needed(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
-    """Effects, and the elasticity of each joint whose friction takes the load."""
-    loaded = {each.joint for each in effects if isinstance(each, JointEffect) and each.takes_load}
-    soft = [each for each in here.effects if each.makes_elastic and getattr(each, "joint", "") in loaded]
-    return (*effects, *(each for each in soft if each not in effects))
-
-
-def possible(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
-    """Effects that the model can hold: friction that takes the load needs an elastic joint."""
-    soft = {getattr(each, "joint", "") for each in effects if each.makes_elastic}
-    true = here.given.resolved()
-    soft |= {name for name, elastic in zip(true.joint_names, true.elastic, strict=True) if elastic}
-    return tuple(each for each in effects if not each.takes_load or getattr(each, "joint", "") in soft)
 
 
 def leaves_noise(made: Fit, plain: Workspace) -> bool:

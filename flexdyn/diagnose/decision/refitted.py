@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from flexdyn.diagnose.decision.corrected import effect_of, possible
+from flexdyn.diagnose.decision.model_effects import effect_of, possible
 from flexdyn.diagnose.equations.columns import moves_links
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.inference.apart import beyond_noise

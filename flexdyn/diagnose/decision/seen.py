@@ -1,0 +1,73 @@
+"""Whether a fit sees what is named: how far sizes must be from nothing."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+from scipy.special import ndtri
+
+from flexdyn.diagnose.decision.model_effects import effect_of, possible
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.inference.candidate import Candidate
+from flexdyn.diagnose.inference.space import Space
+from flexdyn.diagnose.report.suspects import ESTABLISHED
+
+
+def stays(space: Space, c: int, made: Fit, smallest: float) -> bool:
+    """Whether the fitted effect of a candidate is seen, and at least as large as an effect must be.
+
+    Fits to windows have errors of their own where friction holds. So the equations must see a number of the file, too.
+
+    Args:
+        space: that has the candidate.
+        c: the candidate.
+        made: the fit.
+        smallest: share of torque that an effect must make.
+    """
+    candidate, log_odds = space.candidates[c], space.log_places(frozenset({(c, 0)}))
+    if not is_seen(candidate, made, log_odds):
+        return False
+    if candidate.number is not None:
+        return not made.block or is_seen(candidate, fit(made.hypothesis, made.space), log_odds)
+    here, effect = made.hypothesis, effect_of(candidate, made.hypothesis)
+    if effect is None:
+        return False
+    without = dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not effect]))
+    change = made.equations.residual - made.equations.of(without.model()).residual
+    share, least = space.library.sizes.of(effect, change, smallest)
+    return share >= least
+
+
+def is_seen(candidate: Candidate, made: Fit, log_odds: float) -> bool:
+    """Whether a fit tells a candidate from nothing, and a number of the file from its tolerance.
+
+    Args:
+        candidate: of the structure.
+        made: the fit.
+        log_odds: prior log odds that the candidate is there.
+    """
+    number, least = candidate.number, least_deviation(log_odds)
+    if number is not None:
+        off = abs(made.hypothesis.factors[number] - 1.0) - number.tolerance
+        return off >= least * made.factor_std()[number]
+    effect = effect_of(candidate, made.hypothesis)
+    known = set(made.hypothesis.unknowns())
+    sizes = {} if effect is None else {(effect, k): getattr(effect, k) - x for k, x in effect.neutral.items()}
+    changes = {key: change for key, change in sizes.items() if key in known}
+    return not changes or made.deviation(changes) >= least
+
+
+def least_deviation(log_odds: float) -> float:
+    """Standard deviations by which the size of an established name differs from nothing.
+
+    A deviation of z has a Bayes factor of ``exp(z^2/2)`` at most, whatever the prior of the size (Edwards, Lindman and
+    Savage, 1963). With the prior odds of the place it must reach the odds of an established name. Where these are high
+    enough without data, the probability by the standard deviation alone must be that of an established name.
+
+    Args:
+        log_odds: prior log odds that there is such an effect.
+    """
+    wanted = math.log(ESTABLISHED / (1.0 - ESTABLISHED)) - log_odds
+    return max(float(ndtri(ESTABLISHED)), math.sqrt(2.0 * max(wanted, 0.0)))
