@@ -30,8 +30,6 @@ LEFT_OUT = {"__pycache__", ".so", ".pyc"}
 """What a build or an import leaves among the sources: names of folders, ends of files."""
 BOTH_HOLD = {"all"}
 """The extras `test` and `docs` contain this one, so it is there after either."""
-
-
 FOR_UV = {
     "index-url": "UV_DEFAULT_INDEX",
     "extra-index-url": "UV_INDEX",

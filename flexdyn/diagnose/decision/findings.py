@@ -63,8 +63,7 @@ def reported_names(found: Corrected) -> list[Name]:
         if candidate.number is not None and c not in named:
             deviation = _beyond_by(found, candidate.number)
             probability = float(ndtr(deviation)) * found.genuine.get(c, 1.0)
-            least = least_deviation(found.space.log_places(frozenset({(c, 0)})))
-            if probability >= ESTABLISHED and deviation >= least:
+            if probability >= ESTABLISHED and deviation >= least_deviation(found.space.log_odds(c)):
                 own.append(Name(c, (), probability))
     return own
 

@@ -177,6 +177,10 @@ class Space:
         """Log prior of which laws are where: what is believed of drives beforehand, whatever the data say."""
         return log_places(Counter(self.candidates[c].group for c, _ in structure), self.places)
 
+    def log_odds(self, c: int) -> float:
+        """Prior log odds that a candidate is there, and nothing else of its kind."""
+        return self.log_places(frozenset({(c, 0)}))
+
     def costs(self, c: int, p: int) -> float:
         """What a law that forgets the recorded torque costs."""
         column = int(self.candidates[c].columns[p][0])

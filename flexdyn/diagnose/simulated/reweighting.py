@@ -156,13 +156,11 @@ class Simulated:
         """
         for each in (start, frozenset[tuple[int, int]]()):
             self.start(each)
-            if each in self.fits and not unlike_noise(self.fits[each].shot):
-                self.fit(each)
-                break  # windows at noise lack nothing
+            lacking = each not in self.fits or unlike_noise(self.fits[each].shot)
             self.fit(each)
-            if each in self.fitted:
+            if lacking and each in self.fitted:
                 self.grown(each)
-            if self.known and not unlike_noise(self.fits[self.best()].shot):
+            if not lacking or (self.known and not unlike_noise(self.fits[self.best()].shot)):
                 break
         for _ in range(SEARCH_ROUNDS if self.known else 0):
             here = self.best()

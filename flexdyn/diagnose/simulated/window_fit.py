@@ -112,7 +112,7 @@ def fit_to_windows(start: WindowFit) -> WindowFit:
 
     ``max  sum_w log p(window w | numbers) + log p(numbers)``: the windows' first states are eliminated by a Kalman
     filter, and each window weighs by the error that it leaves beyond noise (iteratively reweighted least squares).
-    Where steps become small against what is left beyond noise, the hypothesis is wrong, and the fit ends.
+    Steps that are small against what is left beyond noise do not lead to noise: the fit ends, and is not stationary.
     """
     best, J = start, slopes(start.made.hypothesis, start.shot, _scales(start.made.hypothesis))
     for _ in range(WINDOW_FIT_STEPS):
@@ -122,7 +122,8 @@ def fit_to_windows(start: WindowFit) -> WindowFit:
             return dataclasses.replace(best, made=dataclasses.replace(problem, stationary=True))
         gained, best = after.log_posterior - best.log_posterior, after
         if gained < best.worthwhile:
-            return dataclasses.replace(best, made=dataclasses.replace(_problem(best, J), stationary=True))
+            settled = gained < WORTHWHILE_GAIN
+            return dataclasses.replace(best, made=dataclasses.replace(_problem(best, J), stationary=settled))
         J = slopes(best.made.hypothesis, best.shot, _scales(best.made.hypothesis))
     return dataclasses.replace(best, made=_problem(best, J))
 
