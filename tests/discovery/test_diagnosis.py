@@ -40,6 +40,7 @@ MORE = [
     ("link_only", 5, 0, "Stribeck friction on a link"),
     ("motor_only", 98001, 1, "the torque-speed line of a motor that is asked for four times its torque"),
     ("link_only", 98001, 2, "a gain of a link's encoder"),
+    ("motor_only_wide", 106001, 3, "a hardening spring of an arm that moves one joint after the other"),
     ("outside", 104001, 0, "a cable between axes, which looks like a rotor inertia that nothing determines"),
 ]
 """Cases that CI leaves out: `pytest -m slow` runs them."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from flexdyn import _core
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.hidden_links import hidden_links_error, noise_of_vibration
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 
@@ -82,7 +83,7 @@ def whitener(equations: Equations, noise: SampleNoise, mask: Flags, extra: Array
     blocks = [_band(equations, each, noise, kernels) for each in equations.motions]
     width = max(len(block) for block in blocks)
     band = np.concatenate([np.pad(block, ((0, width - len(block)), (0, 0))) for block in blocks], axis=1)
-    band[0] += error_of_rests(equations) ** 2
+    band[0] += hidden_links_error(equations, noise.theta, kernels["position"][0])
     if extra is not None:
         band[0] += extra
     band[0] = np.where(mask, band[0] + MASKED * np.median(band[0]), band[0] * (1.0 + 1e-9))
@@ -90,27 +91,6 @@ def whitener(equations: Equations, noise: SampleNoise, mask: Flags, extra: Array
     factor = np.empty(by_columns.T.shape)
     _core.by_rows(np.ascontiguousarray(by_columns.T), factor)
     return Whitener(factor, mask)
-
-
-def error_of_rests(equations: Equations) -> Array:
-    """Size of what the rows (rows,) neglect while a motor rests whose link is not measured.
-
-    The link is taken to follow its load without delay. The acceleration that this neglects winds the spring by
-    ``M_ii (alpha - a) / K``; the rows contain this to first order, and the next order is at most about as large where
-    the link does not vibrate at its own frequency. Where it does, this is large too.
-    """
-    parts = []
-    for along in equations.motions:
-        at = equations.filters.instants(len(along.t))
-        rows = np.zeros((len(at), len(equations.kinds)))
-        for i in np.flatnonzero(equations.made_up & along.resting.any(axis=0)).tolist():
-            wound = along.M[:, i, i] * (along.alpha - along.a)[:, i] / equations.true.stiffness[i]
-            swung = [equations.filters.rows(np.where(along.resting[:, i], wound, 0.0), order) for order in range(3)]
-            loads = along.dragged(i, swung, at) / equations.gains
-            for place, (j, kind) in enumerate(equations.kinds):
-                rows[:, place] += np.abs(loads[:, j]) if kind == TOTAL else 0.0
-        parts.append(rows.ravel())
-    return np.concatenate(parts)
 
 
 def kernels_of(equations: Equations) -> dict[str, list[Array]]:
@@ -252,6 +232,16 @@ def variances(
                 R = sum(w * _correlation(group[o], group[p], lag * every) for lag, w in weights.items())
                 totals[mine] += size * R
     return totals[0], totals[1]
+
+
+def vibration_rules(equations: Equations, noise: SampleNoise) -> bool:
+    """Whether encoder noise that makes simulated links vibrate is more of some row's noise than all other noise."""
+    extra = noise_of_vibration(equations, noise.theta, kernels_of(equations)["position"][0])
+    for place, (j, _) in enumerate(equations.kinds):
+        others, unit = variances(equations, noise, place, j, second=False)
+        if extra[place] > others + unit * float(noise.tau[j]) ** 2:
+            return True
+    return False
 
 
 def encoders_rule(equations: Equations, noise: SampleNoise) -> bool:

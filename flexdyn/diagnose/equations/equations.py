@@ -10,6 +10,7 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.abreast import SILENT, abreast
+from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import corrected
 from flexdyn.diagnose.equations.layout import MOTOR, EquationLayout
 from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
@@ -57,13 +58,17 @@ class Equations(EquationLayout):
     def smoothed(self) -> tuple[Smoothed, ...]:
         """The recordings after the first filter, without the sensor effects of the model."""
         return tuple(
-            smoothed(self.true, self.links, corrected(data, self.model), self.filters.first, rests)
+            smoothed(
+                self.true, self.links, corrected(data, self.model), self.filters.first, rests, simulated=self.simulated
+            )
             for data, rests in zip(self.data, self.rests, strict=True)
         )
 
     @lazy
     def rests(self) -> tuple[Rests | None, ...]:
         """Where motors rest whose links are not measured, by recording; None: nowhere, or it is not made use of."""
+        if self.simulated:
+            return tuple(Rests.everywhere(each, self.filters) for each in self.data)
         found = (Rests.of(each, self.filters) if self.quasi_static else None for each in self.data)
         return tuple(each if each is not None and each.where.any() else None for each in found)
 
@@ -85,6 +90,12 @@ class Equations(EquationLayout):
                 other.__dict__["motions"] = self.motions
                 return other
         other.__dict__["_bases"] = tuple(each.near or each for each in self.motions)
+        return other
+
+    def along(self, data: tuple[Measured, ...]) -> Equations:
+        """The same model along other recordings of the same motion; motors rest where they did."""
+        other = replace(self, data=data)
+        other.__dict__["rests"] = self.rests
         return other
 
     def change(self, effects: Sequence[Effect]) -> Array:

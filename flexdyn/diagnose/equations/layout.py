@@ -7,11 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexdyn.arrays import Array, Flags
+from flexdyn.arrays import Array, Flags, Indices
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.equations.made_up import steepness
 from flexdyn.diagnose.equations.motion import SmoothedMotion, hidden_links
-from flexdyn.diagnose.lazy import lazy
+from flexdyn.diagnose.equations.response import LinkResponse
+from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.effects import TorqueConstantError
 from flexdyn.effects.motor import MotorTorque
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -33,12 +35,14 @@ class EquationLayout:
         data: the recordings, as measured.
         filters: that every term passes.
         stiffness: scale of the links' equations (n,) [N m/rad]; None: the model's own.
+        simulated: whether unmeasured links are simulated along the motion of their motors.
     """
 
     model: FlexibleJointModel
     data: tuple[Measured, ...]
     filters: Filters
     stiffness: Array | None = None
+    simulated: bool = False
 
     @lazy
     def true(self) -> FlexibleJointModel:
@@ -130,7 +134,8 @@ class EquationLayout:
         rows = np.zeros((self.filters.count(len(along.t)), len(self.kinds)))
         each = (motor, link, tau_s if self.sensed else None)
         motor_, link_, sensor_ = (self._filtered(along, torque, only) for torque in each)
-        link_ += self._lifted(along, motor, link, only)
+        # What is simulated leaves nothing in its own equations: `wound` is given with the model's own terms.
+        link_ += self._lifted(along, motor, link, only, None if wound is not None else self._behind(along, link, only))
         for place, (j, kind) in enumerate(self.kinds):
             if kind == SENSOR:
                 rows[:, place] = sensor_[:, j]
@@ -152,28 +157,65 @@ class EquationLayout:
             rows[:, slice(None) if only is None else only] = self.filters.rows(torque)
         return rows
 
-    def _lifted(self, along: SmoothedMotion, motor: Array | None, link: Array | None, only: int | None) -> Array:
+    def _lifted(
+        self, along: SmoothedMotion, motor: Array | None, link: Array | None, only: int | None, behind: Array | None
+    ) -> Array:
         """The effect of computed positions on the equations (times, n).
 
         A link position from the motor's equation has the error ``-motor/K``: its acceleration loads every link, and it
         changes the torques of gravity and Coriolis. While the motor rests, the link position is from the link's own
-        equation and has the error ``link/K``. A rotor position from the link's equation has the error ``-link/K``,
-        whose acceleration loads the rotor.
+        equation and has the error ``link/K``. Where it is simulated, its error is the response to the torques on all
+        links. A rotor position from the link's equation has the error ``-link/K``, whose acceleration loads the rotor.
         """
         first, model = along.data, self.true
         lifted = np.zeros((self.filters.count(len(along.t)), model.n))
         at = self.filters.instants(len(along.t))
         for i in np.flatnonzero(self.made_up).tolist():
-            if only not in (None, i):
+            own = [None if x is None or only not in (None, i) else x if only == i else x[:, i] for x in (motor, link)]
+            if first.has_q[i]:
+                if own[1] is not None:
+                    lifted[:, i] += model.rotor_inertia[i] * self.filters.rows(own[1] / model.stiffness[i], 2)
                 continue
-            own = [x if x is None or only == i else x[:, i] for x in (motor, link)]
-            K, rests = model.stiffness[i], along.resting[:, i]
-            if first.has_q[i] and own[1] is not None:
-                lifted[:, i] += model.rotor_inertia[i] * self.filters.rows(own[1] / K, 2)
-            elif not first.has_q[i] and (own[0] is not None or rests.any()):
-                by_motor, by_link = (np.zeros(len(along.t)) if x is None else x for x in own)
-                wrong = by_motor / K
-                if rests.any():
-                    wrong = np.where(rests, -self.filters.calmed(by_link) / K, wrong)
+            wrong = -behind[:, i] if behind is not None else self._misplaced(along, i, *own)
+            if wrong is not None:
                 lifted += along.dragged(i, [self.filters.rows(wrong, order) for order in range(3)], at)
         return lifted
+
+    def _misplaced(self, along: SmoothedMotion, i: int, motor: Array | None, link: Array | None) -> Array | None:
+        """Error of a link position that was made up (samples,), by the error of the torques on its motor and link."""
+        rests, K = along.resting[:, i], self.true.stiffness[i]
+        if self.simulated or (motor is None and (link is None or not rests.any())):
+            return None
+        wrong = np.zeros(len(along.t)) if motor is None else motor / K
+        if rests.any():
+            wrong = np.where(rests, 0.0 if link is None else -self.filters.calmed(link) / K, wrong)
+        return wrong
+
+    def _behind(self, along: SmoothedMotion, link: Array | None, only: int | None) -> Array | None:
+        """Deflections (samples, n) that torques on the links (samples, n), or of one joint, cause behind all motors."""
+        if link is None or not self.simulated:
+            return None
+        joints = np.flatnonzero(self.made_up & ~along.data.has_q)
+        torques = np.zeros((len(along.t), self.true.n))
+        torques[:, slice(None) if only is None else only] = link
+        found = np.zeros_like(torques)
+        found[:, joints] = self.response(along)(torques[:, joints])
+        return found
+
+    @kept
+    def response(self, along: SmoothedMotion) -> LinkResponse:
+        """How the unmeasured links respond to a torque."""
+        joints = np.flatnonzero(self.made_up & ~along.data.has_q)
+        M = (along.near or along).M[:, joints[:, None], joints]
+        K = np.stack([steepness(self.true, j, along.delta[:, j]) for j in joints.tolist()], axis=1)
+        return LinkResponse.of(np.ascontiguousarray(M), K, self.true.damping[joints], along.dt)
+
+    def behind(self, along: SmoothedMotion, joints: Indices, deflections: Array) -> Array:
+        """Rows (times, equations) of additional deflections of simulated links (samples, joints)."""
+        found = np.zeros((len(along.t), self.true.n))
+        found[:, joints] = deflections
+        rows = np.zeros((self.filters.count(len(along.t)), len(self.kinds)))
+        lifted = self._lifted(along, None, None, None, found)
+        for place, (j, kind) in enumerate(self.kinds):
+            rows[:, place] = lifted[:, j] / self.gains[j] if kind == TOTAL else 0.0
+        return rows

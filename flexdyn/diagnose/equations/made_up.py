@@ -72,16 +72,30 @@ def _acting(model: FlexibleJointModel, j: int) -> list[JointEffect]:
 
 def _wound(model: FlexibleJointModel, j: int, carried: Array) -> Array:
     """Deflection (samples,) for a transmission torque (samples,), by Newton's method."""
-    K, acting = model.stiffness[j], _acting(model, j)
-    springs = [effect for effect in acting if isinstance(effect, HardeningSpring | SpringHysteresis)]
-    seen = carried / K
-    for _ in range(STEEP_SPRING_ROUNDS if springs else 0):
-        with np.errstate(over="ignore", invalid="ignore"):  # a law far from any spring: what is not finite is refused
-            now, ahead = (K * x + _more(springs, x) for x in (seen, (1.0 + STEEP_SPRING_STEP) * seen))
-            rise = (ahead - now) / np.where(seen == 0.0, np.inf, STEEP_SPRING_STEP * seen)
-            seen = seen + (carried - now) / np.clip(rise, K, STEEPEST_SPRING * K)
-    gap = sum(effect.half_gap for effect in acting if isinstance(effect, Backlash))
+    seen = carried / model.stiffness[j]
+    for _ in range(STEEP_SPRING_ROUNDS if _springs(model, j) else 0):
+        torque, slope = _spring(model, j, seen)
+        seen = seen + (carried - torque) / slope
+    gap = sum(effect.half_gap for effect in _acting(model, j) if isinstance(effect, Backlash))
     return np.asarray(seen + gap * np.sign(carried))
+
+
+def steepness(model: FlexibleJointModel, j: int, seen: Array) -> Array:
+    """Slope of the spring's torque (samples,) at deflections (samples,) [N m/rad or N/m]."""
+    return _spring(model, j, seen)[1] if _springs(model, j) else np.full(len(seen), model.stiffness[j])
+
+
+def _springs(model: FlexibleJointModel, j: int) -> list[HardeningSpring | SpringHysteresis]:
+    return [effect for effect in _acting(model, j) if isinstance(effect, HardeningSpring | SpringHysteresis)]
+
+
+def _spring(model: FlexibleJointModel, j: int, seen: Array) -> tuple[Array, Array]:
+    """Torque of the spring (samples,) at deflections (samples,), and its slope."""
+    K, springs = model.stiffness[j], _springs(model, j)
+    with np.errstate(over="ignore", invalid="ignore"):  # a law far from any spring: what is not finite is refused
+        torque, ahead = (K * x + _more(springs, x) for x in (seen, (1.0 + STEEP_SPRING_STEP) * seen))
+        slope = (ahead - torque) / np.where(seen == 0.0, np.inf, STEEP_SPRING_STEP * seen)
+        return torque, np.clip(slope, K, STEEPEST_SPRING * K)
 
 
 def _more(springs: list[HardeningSpring | SpringHysteresis], seen: Array) -> Array:

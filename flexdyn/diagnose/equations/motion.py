@@ -153,6 +153,8 @@ def smoothed(
     data: Measured,
     kernel: GaussianSmoother,
     rests: Rests | None = None,
+    *,
+    simulated: bool = False,
 ) -> Smoothed:
     """Smooth a recording.
 
@@ -162,6 +164,7 @@ def smoothed(
         data: channels without sensor effects.
         kernel: the first filter.
         rests: where motors rest whose links are not measured; None: nowhere.
+        simulated: whether all unmeasured links are simulated along the motion of their motors.
 
     A joint with one encoder gets the other position from its own equation (`made_up`), or where its motion is
     prescribed by simulation (`replayed`); the whole motion is then filtered once more.
@@ -172,8 +175,8 @@ def smoothed(
     t, tau_s, lost, inner = data.t, data.tau_s, kernel.half, slice(kernel.half, -kernel.half)
     resting = rests.where if rests else np.zeros((len(t[inner]), model.n), dtype=bool)
     if (model.elastic & ~data.both).any():
-        q, theta = made_up(model, links, q, theta, tau, data, kernel, rests)
-        q = replayed(model, q, theta, data, t[inner])
+        q, theta = made_up(model, links, q, theta, tau, data, kernel, None if simulated else rests)
+        q = replayed(model, q, theta, data, t[inner], simulated)
         tau, tau_s = kernel.apply(tau, 0), kernel.apply(tau_s, 0)
     elif not data.both.all():  # as many samples as for an elastic joint
         q, theta, tau, tau_s = q[inner], theta[inner], tau[inner], tau_s[inner]
@@ -185,7 +188,9 @@ def smoothed(
     return Smoothed(t=t[inner], dt=data.dt, **own, data=data, lost=lost, resting=resting)
 
 
-def replayed(model: FlexibleJointModel, q: Array, theta: Array, data: Measured, t: Array) -> Array:
+def replayed(
+    model: FlexibleJointModel, q: Array, theta: Array, data: Measured, t: Array, simulated: bool = False
+) -> Array:
     """Positions of the links (samples, n), those behind prescribed motors by simulation along the record.
 
     Args:
@@ -195,13 +200,15 @@ def replayed(model: FlexibleJointModel, q: Array, theta: Array, data: Measured, 
         theta: of the rotors.
         data: the recording.
         t: times since the start of the run (samples,) [s].
+        simulated: whether those behind all other motors are simulated too.
     """
-    joints = np.flatnonzero(hidden_links(model, data)).tolist()
+    hidden = unmeasured_links(model, data) if simulated else hidden_links(model, data)
+    joints = np.flatnonzero(hidden).tolist()
     if not joints:
         return q
     course = q.copy()
     course[:, joints] = theta[:, joints]
-    first = np.where(np.isfinite(q[0]), q[0], theta[0])
+    first = np.where(np.isfinite(q[0]) & ~simulated, q[0], theta[0])
     found = q.copy()
     found[:, joints] = links_behind(model, joints, t, course, first)[:, joints]
     return found
@@ -209,7 +216,12 @@ def replayed(model: FlexibleJointModel, q: Array, theta: Array, data: Measured, 
 
 def hidden_links(model: FlexibleJointModel, data: Measured) -> Flags:
     """Elastic joints whose motors are moved as recorded and whose links nobody measures (n,)."""
-    return np.asarray(model.elastic & data.forced & data.has_theta & ~data.has_q)
+    return np.asarray(unmeasured_links(model, data) & data.forced)
+
+
+def unmeasured_links(model: FlexibleJointModel, data: Measured) -> Flags:
+    """Elastic joints whose motors have an encoder and whose links have none (n,)."""
+    return np.asarray(model.elastic & data.has_theta & ~data.has_q)
 
 
 def centred(tau: Array) -> Array:

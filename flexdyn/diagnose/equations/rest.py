@@ -39,6 +39,12 @@ class Rests:
             where[:, j] = long_runs(uncertain, 2 * filters.reach(2))
         return cls(where, filters)
 
+    @classmethod
+    def everywhere(cls, data: Measured, filters: Filters) -> Rests:
+        """As if all these motors rested all the time: no torque of theirs tells where their links are."""
+        samples = len(data.t) - 2 * filters.first.half
+        return cls(np.tile(data.has_theta & ~data.has_q & ~data.forced, (samples, 1)), filters)
+
     def instead(self, j: int, load: Array, other: Array) -> Array:
         """The smoothed load of a joint where it rests, else another signal (samples,)."""
         return np.where(self.where[:, j], self.filters.calmed(load), other) if self.where[:, j].any() else other

@@ -133,7 +133,8 @@ def refitted(known: Known, space: Workspace, steps: int = NEW_MOTION_STEPS) -> R
     """
     first = known.hypothesis
     offsets = {effect.channel: effect.offset for effect in first.counts}
-    counted = space.nuisance @ np.array([offsets.get(name, 0.0) for name in space.channels])
+    known_offsets = np.array([offsets.get(name, 0.0) for name in space.channels])
+    counted = space.nuisance[:, : len(known_offsets)] @ known_offsets
     numbers, old = len(first.factors), np.array(known.fitted.scales)
     nuisances = space.nuisance.shape[1]
     current, found = first, []

@@ -127,7 +127,8 @@ class Workspace:
         whiten: of their rows.
         noise: of the channels, which determines the weights.
         numbers: whitened derivatives of the file's numbers (rows, numbers).
-        nuisance: whitened columns of offsets of the encoders, which are fitted but not reported (rows, k).
+        nuisance: whitened columns of offsets of the encoders, then of first states of simulated links: they are fitted
+            but not reported (rows, k).
         nuisance_sigma: their standard deviations (k,).
         channels: that have these offsets.
         beliefs: prior of an effect's parameter: distance of its centre from the value, and its standard deviation.

@@ -13,8 +13,9 @@ from flexdyn.diagnose.data.channel_noise import encoder_noise, recorded_torque_n
 from flexdyn.diagnose.data.filters import SECOND_FILTER_WIDTHS, Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations import columns
-from flexdyn.diagnose.equations.covariance import SampleNoise, encoders_rule, whitener
+from flexdyn.diagnose.equations.covariance import SampleNoise, encoders_rule, vibration_rules, whitener
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.hidden_links import of_first_states
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.fitted import Workspace
@@ -35,8 +36,10 @@ class Unweighted:
     Attributes:
         equations: that have the slopes.
         numbers: by the file's numbers (rows, numbers).
-        offsets: by an offset of one count of each encoder, because rounding is unknown (rows, channels).
+        offsets: by an offset of one count of each encoder, because rounding is unknown, and by the first states of
+            simulated links (rows, channels + states).
         channels: of these encoders.
+        states: standard deviations of these first states (states,).
         along: the equations along whose motion the slopes are; None: `equations`.
     """
 
@@ -44,6 +47,7 @@ class Unweighted:
     numbers: Array
     offsets: Array
     channels: tuple[str, ...]
+    states: Array
     along: Equations | None = None
 
     @classmethod
@@ -53,7 +57,9 @@ class Unweighted:
         there = {"q": data.has_q, "theta": data.has_theta}
         channels = tuple(f"{signal}.{joint}" for j, joint in enumerate(joints) for signal in there if there[signal][j])
         offsets = [columns.of_effect(equations, SensorOffset(name, offset=1e-6), 1e-6) for name in channels]
-        return cls(equations, number_columns.of_numbers(equations, list(numbers)), np.stack(offsets, axis=1), channels)
+        states, sigma = of_first_states(equations)
+        unknown = np.column_stack([*offsets, states])
+        return cls(equations, number_columns.of_numbers(equations, list(numbers)), unknown, channels, sigma)
 
 
 def prepared(
@@ -69,7 +75,10 @@ def prepared(
     bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), start.factors)
     used = ~sign_mask(bare.equations, noise).reshape(-1, len(bare.equations.kinds))
     if used.sum(axis=0).min() < len(start.factors):  # sweeps of single joints: some equation cannot tell the numbers
-        bare = Unweighted.of(dataclasses.replace(bare.equations, quasi_static=True), start.factors)
+        moving = dataclasses.replace(bare.equations, simulated=bool((bare.equations.made_up & ~data[0].has_q).any()))
+        if not moving.simulated or vibration_rules(moving, noise):
+            moving = dataclasses.replace(bare.equations, quasi_static=True)
+        bare = Unweighted.of(moving, start.factors)
     if sign_mask(bare.equations, noise).all():
         problem = "joints rest, or may rest, so often that no equation can be used"
         remedy = "let all joints move at once for seconds: while one sticks, its friction torque is unknown"
@@ -104,7 +113,7 @@ def weighed(
     whiten = whitener(at if at is not None and at.made_up.any() else equations, noise, mask, extra)
     sides = (name.partition(".") for name in bare.channels)
     levels = [getattr(noise, signal)[equations.true.index(joint)] for signal, _, joint in sides]
-    sigma = 2.0 * np.array(levels) + 1e-12
+    sigma = np.append(2.0 * np.array(levels) + 1e-12, bare.states)
     slopes = whiten(bare.numbers), whiten(bare.offsets)
     return Workspace(equations, whiten, noise, *slopes, sigma, bare.channels, along=bare.along)
 

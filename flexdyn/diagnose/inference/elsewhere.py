@@ -7,16 +7,19 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.linear import priors
+from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
+from flexdyn.diagnose.inference.search import OCCAM_WINDOW, Scan
 from flexdyn.diagnose.inference.space import Space, Structure
-from flexdyn.diagnose.inference.structure_model import hypothesis_of
+from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
 from flexdyn.diagnose.inference.whitening import Tempered
 from flexdyn.errors import SimulationError
 
-STEPS_ELSEWHERE = 8
-"""Gauss-Newton steps of the fit of a structure that another linearisation prefers."""
+STEPS_ELSEWHERE, STEPS_TRIED = 8, 2
+"""Gauss-Newton steps of the fit of a structure that another linearisation prefers, and of one that is tried."""
 
 
 def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[frozenset[int]]) -> tuple[float, ...]:
@@ -45,6 +48,40 @@ def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[fr
     return tuple(found)
 
 
+def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) -> Structure:
+    """The most likely by fits of what a linearisation stands at, what it prefers, and each law in addition.
+
+    Where links are simulated along the motion of their motors, they may vibrate, and the equations bend before a law
+    of the wrong size shows in their slopes. So where more than noise is left, laws are tried though the slopes promise
+    nothing.
+
+    Args:
+        space: of the linearisation.
+        best: its best structure.
+        base: the fit of `stands`, under whose weights all are fitted.
+        stands: the structure at which it is.
+    """
+    count, squares = space.noise.count, _squares(base)
+    lacks = (squares > (1.0 + NOISE_LEVEL_ERROR) * count + CHANCE_ROOM * np.sqrt(2.0 * count)).any()
+    added = [point for gain, point in Scan(space).additions(stands) if lacks and gain > -OCCAM_WINDOW]
+    laws = [(c, p) for c, p in added if space.candidates[c].proposal is not None and not waits(space, c)]
+    found, most = stands, _log_posterior(space, stands, base)
+    for structure in dict.fromkeys([best, *(stands | {point} for point in laws)]):
+        if structure != stands:
+            value = _by_fit(space, structure, base, STEPS_TRIED)
+            found, most = (structure, value) if value > most else (found, most)
+    return found
+
+
+def _by_fit(space: Space, structure: Structure, base: Fit, steps: int) -> float:
+    """Log posterior of a structure, fitted in some steps."""
+    try:
+        made = fit(hypothesis_of(space, structure, whole=True), base.space, steps=steps)
+    except SimulationError:  # its numbers by the linear equations are no model
+        return -math.inf
+    return _log_posterior(space, structure, made)
+
+
 def _in_space(space: Space, candidates: frozenset[int]) -> Structure:
     """Candidates with the grid points at which they were the most likely."""
     ranked = sorted(space.known, key=lambda s: (-space.known[s], sorted(s)))
@@ -58,12 +95,16 @@ def _in_space(space: Space, candidates: frozenset[int]) -> Structure:
 
 def _log_posterior(space: Space, structure: Structure, made: Fit) -> float:
     """Of a fitted structure, not normalised."""
-    weights, many = made.space.at(made.equations), len(made.equations.kinds)
-    whiten = weights.whiten
-    squares = (weights.white(made.equations.residual).reshape(-1, many) ** 2).sum(axis=0)
-    if isinstance(whiten, Tempered):
-        squares = squares * whiten.error.scale**2 * whiten.error.times
     centre, sigma = priors(made.hypothesis, made.space)
     own = space.gram.estimate(space.columns(structure))
     volume = space.log_volume(structure, own) + space.log_large(structure, own)
-    return space.noise.log_likelihood(squares) - 0.5 * float(np.sum((centre / sigma) ** 2)) + volume
+    return space.noise.log_likelihood(_squares(made)) - 0.5 * float(np.sum((centre / sigma) ** 2)) + volume
+
+
+def _squares(made: Fit) -> Array:
+    """Sums of the squared rows of each equation that a fit leaves, in units of the sensors' noise (equations,)."""
+    weights, many = made.space.at(made.equations), len(made.equations.kinds)
+    squares = (weights.white(made.equations.residual).reshape(-1, many) ** 2).sum(axis=0)
+    if isinstance(weights.whiten, Tempered):
+        squares = squares * weights.whiten.error.scale**2 * weights.whiten.error.times
+    return np.asarray(squares)

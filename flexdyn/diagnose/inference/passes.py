@@ -21,7 +21,7 @@ from flexdyn.diagnose.inference.autoregression import runs_of
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.elsewhere import odds_by_fits
+from flexdyn.diagnose.inference.elsewhere import best_by_fits, odds_by_fits
 from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.memory import check_memory
@@ -169,6 +169,8 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         know(space=space)
         stands = standing(space)
         best = _compared(space, stands)
+        if bare.equations.simulated:
+            best = best_by_fits(space, best, near.fitted(hypothesis_of(space, stands), PASS_STEPS), stands)
         places = frozenset(identity(space.candidates[c]) for c, _ in best)
         # Where the file's numbers are far off, nothing may look worth adding: only a fit's linearisation can say that.
         stays = k > 0 and _nonlinear(space, best) == _nonlinear(space, stands)
@@ -177,7 +179,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         compared.append(places)
         if settled or k == MOST_PASSES - 1:
             break
-        strong = _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1))
+        strong = best if bare.equations.simulated else _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1))
         here = near.fitted(hypothesis_of(space, strong), PASS_STEPS).hypothesis
         space.forget()
     space.known = {}
@@ -190,7 +192,14 @@ def _numbers_alone(bare: Unweighted, recorded: SampleNoise, mask: Flags, start: 
     """A first fit of the file's numbers."""
     at = bare.equations.of(start.model())
     noise = quieter(recorded, at, mask)
-    return fit(start, for_fit(bare, noise, mask, rows_of(at, mask), start), steps=NUMBERS_STEPS).hypothesis
+    there, seen = start, rows_of(at, mask)
+    for _ in range(WEIGHTINGS):
+        work = for_fit(bare, noise, mask, seen, there)
+        made = fit(there, work, steps=NUMBERS_STEPS)
+        there = made.hypothesis
+        if made.reduced > WELL_WEIGHTED * expected(work):
+            break
+    return there
 
 
 def other_linearisations(compared: list[Places], places: Places) -> tuple[Places, ...]:

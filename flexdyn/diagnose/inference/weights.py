@@ -46,7 +46,7 @@ def along_expected(
     if not at.made_up.any():
         return bare, work
     scale = Discrepancy.of(work.white(at.residual), seen).scale
-    along = dataclasses.replace(bare.equations, data=expected_data(at, work.noise, work.whiten, scale))
+    along = bare.equations.along(expected_data(at, work.noise, work.whiten, scale))
     slopes = Unweighted.of(along, here.factors)
     near = dataclasses.replace(slopes, equations=bare.equations, along=along)
     new = work.whiten(near.numbers), work.whiten(near.offsets)

@@ -1,0 +1,98 @@
+"""What the rows do not know of links that nobody measures: their first states, and additional variance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexdyn.arrays import Array
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.layout import TOTAL
+
+FREQUENCIES = 2048
+"""Between zero and half of the sampling rate, at which the vibration of links by noise is summed up."""
+
+
+def hidden_links_error(equations: Equations, theta: Array, taps: Array) -> Array:
+    """Variance of the rows (rows,) by what is neglected of unmeasured links.
+
+    Args:
+        equations: that have the rows.
+        theta: standard deviations of the motors' encoders (n,) [rad or m].
+        taps: whole filter from a sample to a row.
+    """
+    if not equations.simulated:
+        return _error_of_rests(equations) ** 2
+    times = sum(equations.filters.count(len(along.t)) for along in equations.motions)
+    return np.tile(noise_of_vibration(equations, theta, taps), times)
+
+
+def _error_of_rests(equations: Equations) -> Array:
+    """Size of what the rows (rows,) neglect while a motor rests whose link is not measured.
+
+    The link is taken to follow its load without delay. The acceleration that this neglects winds the spring by
+    ``M_ii (alpha - a) / K``; the rows contain this to first order, and the next order is at most about as large where
+    the link does not vibrate at its own frequency. Where it does, this is large too.
+    """
+    parts = []
+    for along in equations.motions:
+        at = equations.filters.instants(len(along.t))
+        rows = np.zeros((len(at), len(equations.kinds)))
+        for i in np.flatnonzero(equations.made_up & along.resting.any(axis=0)).tolist():
+            wound = along.M[:, i, i] * (along.alpha - along.a)[:, i] / equations.true.stiffness[i]
+            swung = [equations.filters.rows(np.where(along.resting[:, i], wound, 0.0), order) for order in range(3)]
+            loads = along.dragged(i, swung, at) / equations.gains
+            for place, (j, kind) in enumerate(equations.kinds):
+                rows[:, place] += np.abs(loads[:, j]) if kind == TOTAL else 0.0
+        parts.append(rows.ravel())
+    return np.concatenate(parts)
+
+
+def noise_of_vibration(equations: Equations, theta: Array, taps: Array) -> Array:
+    """Variance of the rows (equations,) by encoder noise that makes simulated links vibrate.
+
+    What the noise would do on rigid joints is not in it: the rows' covariance holds that.
+
+    Noise n of a motor's position moves the links by ``H n`` with ``H = (K + i w D - w^2 M)^-1 (K + i w D)``. The mass
+    matrix is the mean one.
+
+    Args:
+        equations: whose links are simulated.
+        theta: standard deviations of the motors' encoders (n,) [rad or m].
+        taps: whole filter from a sample to a row.
+
+    Returns:
+        variances of the rows of each equation (equations,).
+    """
+    model, data = equations.true, equations.data[0]
+    hidden = np.flatnonzero(equations.made_up & ~data.has_q)
+    turn = np.linspace(0.0, np.pi, FREQUENCIES + 1)[1:]
+    w = (turn / data.dt)[:, None, None]
+    M = np.concatenate([along.M for along in equations.motions]).mean(axis=0)
+    spring = np.diag(model.stiffness[hidden]) + 1j * w * np.diag(model.damping[hidden])
+    heavy = -(w**2) * M[:, hidden]
+    moves = heavy @ np.linalg.solve(spring - w**2 * M[np.ix_(hidden, hidden)], spring)
+    passed = np.abs(np.exp(-1j * turn[:, None] * np.arange(len(taps))) @ taps) ** 2
+    more = np.maximum((passed[:, None, None] * (np.abs(moves) ** 2 - heavy**2)).mean(axis=0), 0.0)
+    power = more @ theta[hidden] ** 2 / equations.gains**2
+    return np.array([power[j] if kind == TOTAL else 0.0 for j, kind in equations.kinds])
+
+
+def of_first_states(equations: Equations) -> tuple[Array, Array]:
+    """Slopes of the rows by the first states of simulated links (rows, states), and standard deviations of these.
+
+    For each recording and joint a deflection and its rate, as large as they are on average.
+    """
+    columns: list[Array] = []
+    sigma: list[float] = []
+    ends = np.cumsum([equations.filters.count(len(along.t)) for along in equations.motions])
+    for along, end in zip(equations.motions if equations.simulated else (), ends.tolist(), strict=False):
+        response, hidden = equations.response(along), np.flatnonzero(equations.made_up & ~along.data.has_q)
+        for i, one in zip(hidden.tolist(), np.eye(len(hidden)), strict=True):
+            for size, y, v in ((along.delta[:, i], one, 0.0 * one), (along.ddelta[:, i], 0.0 * one, one)):
+                moved = equations.behind(along, hidden, response.free(y, v))
+                whole = np.zeros((int(ends[-1]), len(equations.kinds)))
+                whole[end - len(moved) : end] = moved
+                columns.append(whole.ravel())
+                sigma.append(float(np.sqrt(np.mean(size**2))) + 1e-12)
+    rows = int(ends[-1]) * len(equations.kinds)
+    return np.array(columns).reshape(-1, rows).T, np.array(sigma)

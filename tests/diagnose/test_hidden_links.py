@@ -1,0 +1,150 @@
+"""Links that nobody measures, simulated along the motion of their motors, and how they respond to torques."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+import flexdyn as fd
+from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.measured import Measured, measured
+from flexdyn.diagnose.equations.covariance import whitener
+from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.response import LinkResponse
+from flexdyn.diagnose.hypothesis.fitted import Workspace
+from flexdyn.diagnose.hypothesis.workspace import Unweighted, prepared, recorded_noise, weighed
+from flexdyn.model.uncertain_parameters import file_numbers
+from tests.arms import two_link
+from tests.diagnose.truths import ARM, JOINTS, RATE
+from tests.oracles.integrate import held
+
+Array = NDArray[np.float64]
+RINGING = dataclasses.replace(ARM, stiffness=(4000.0, 3000.0), damping=(2.0, 1.5))
+FINE, COARSE = 1e-7, 2e-5
+"""Standard deviations of encoders [rad]."""
+
+
+@cache
+def _swept(seconds: float = 8.0) -> tuple[Array, Array]:
+    """States of RINGING with the elbow's motor stuck, then the shoulder's, and the torques; steps make links ring."""
+    t = np.arange(round(seconds * RATE)) / RATE
+    first, idle = t < 0.5 * seconds, 1.7 * np.sin(9.0 * t)
+    jerks = 2.0 * np.sign(np.sin(2.5 * t))
+    tau = np.stack([np.where(first, jerks, idle), np.where(first, idle, 0.5 * jerks)], axis=1)
+
+    def half(stuck: int, at: NDArray[np.bool_], start: list[float]) -> Array:
+        rows: Iterator[list[float]] = iter(tau[at].tolist())
+
+        def moves(x: Sequence[float], torque: Sequence[float]) -> Sequence[float]:
+            rates = list(RINGING.derivative(x, torque))
+            rates[2 + stuck] = rates[6 + stuck] = 0.0
+            return rates
+
+        states, _ = held(moves, start, t[at], lambda _t, _x: next(rows))
+        return np.asarray(states)
+
+    one = half(1, first, [0.1, 0.9, 0.1, 0.9, 0, 0, 0, 0])
+    begin = one[-1].copy()
+    begin[6] = 0.0
+    return np.concatenate([one, half(0, ~first, begin.tolist())]), tau
+
+
+def _recorded(step: float, stop: int | None = None) -> tuple[fd.FlexibleJointModel, Measured]:
+    states, tau = (x[:stop] for x in _swept())
+    draw = np.random.default_rng(1)
+    channels = {}
+    for j, joint in enumerate(JOINTS):
+        channels[f"theta.{joint}"] = np.sqrt(12.0) * step * np.round(states[:, 2 + j] / (np.sqrt(12.0) * step))
+        channels[f"tau.{joint}"] = tau[:, j] + 0.01 * draw.standard_normal(len(tau))
+    model = two_link(RINGING)
+    return model, measured(model, fd.Recording(np.arange(len(tau)) / RATE, channels))
+
+
+def _weighed(model: fd.FlexibleJointModel, data: Measured, *, simulated: bool) -> Workspace:
+    at = Equations(model, (data,), Filters.of_rate(data.dt), quasi_static=not simulated, simulated=simulated)
+    return weighed(Unweighted.of(at, file_numbers(model)), recorded_noise((data,)))
+
+
+def test_a_link_that_rings_behind_a_resting_motor_leaves_noise() -> None:
+    """The record begins in the middle of the motion: offsets and first states are fitted."""
+    model, data = _recorded(FINE, stop=round(4.0 * RATE))
+    work = _weighed(model, data, simulated=True)
+    used = ~work.whiten.mask.reshape(-1, 2)[:, 0]
+    assert used.sum() > 50
+    assert np.sqrt(np.mean(work.white(work.equations.residual).reshape(-1, 2)[used, 0] ** 2)) < 1.3
+
+
+def test_a_ringing_link_tells_its_stiffness() -> None:
+    """One that is taken to follow its load without delay has rows that hardly know of it."""
+    model, data = _recorded(FINE, stop=round(4.0 * RATE))
+    stiffness = [number.parameter for number in file_numbers(model)].index("stiffness")
+    told, hidden = (_weighed(model, data, simulated=each).numbers[:, stiffness] for each in (True, False))
+    assert np.linalg.norm(told) > 100.0 * np.linalg.norm(hidden)
+
+
+@pytest.mark.parametrize(("step", "simulated"), [(FINE, True), (COARSE, False)])
+def test_the_encoders_noise_decides(step: float, simulated: bool) -> None:
+    """Coarse encoders would make simulated links vibrate by more than all other noise."""
+    model, data = _recorded(step)
+    bare, _, _ = prepared(model, (data,))
+    assert (bare.equations.simulated, bare.equations.quasi_static) == (simulated, not simulated)
+
+
+def test_a_column_is_what_the_law_changes() -> None:
+    """Of a harder spring behind a motor, against the equations with it, for a small one."""
+    model, data = _recorded(FINE, stop=round(4.0 * RATE))
+    at = Equations(model, (data,), Filters.of_rate(data.dt), simulated=True)
+    deflection = np.abs(at.motions[0].delta[:, 0]).max()
+    harder = fd.effects.HardeningSpring("shoulder", cubic=1e-3 * RINGING.stiffness[0] / deflection**2)
+    column = at.of_spring(0, harder)
+    exact = at.of(model.replace(effects=[harder])).residual - at.residual
+    assert np.linalg.norm(exact) > 0.0
+    assert np.linalg.norm(column - exact) < 0.1 * np.linalg.norm(exact)
+
+
+def test_noise_of_encoders_makes_simulated_links_vibrate_as_predicted() -> None:
+    """A motionless arm whose encoders are noisy: rows of all joints have unit variance."""
+    draw, model = np.random.default_rng(3), two_link(RINGING)
+    samples = round(20.0 * RATE)
+    channels = {f"theta.{joint}": 0.3 + 1e-5 * draw.standard_normal(samples) for joint in JOINTS}
+    channels |= {f"tau.{joint}": 1e-3 * draw.standard_normal(samples) for joint in JOINTS}
+    data = measured(model, fd.Recording(np.arange(samples) / RATE, channels))
+    at = Equations(model, (data,), Filters.of_rate(data.dt), simulated=True)
+    white = whitener(at, recorded_noise((data,)), np.zeros(len(at.residual), dtype=bool))(at.residual)
+    late = white.reshape(-1, 2)[len(white) // 8 :]
+    assert 0.7 < np.sqrt(np.mean(late**2)) < 1.3
+
+
+def test_links_respond_as_masses_on_springs() -> None:
+    """Against SciPy: two coupled links whose mass matrix changes, under smooth torques."""
+    t = np.arange(3000) * 0.002
+    K, D = np.array([4000.0, 11000.0]), np.array([4.0, 2.0])
+
+    def mass(s: float) -> Array:
+        coupling = 0.4 + 0.1 * np.cos(s)
+        return np.array([[1.2 + 0.3 * np.sin(1.3 * s), coupling], [coupling, 0.5]])
+
+    def torque(s: float) -> Array:
+        return np.array([20.0 * np.sin(6.0 * s) ** 3, 5.0 * np.sin(31.0 * s) ** 3])
+
+    def rates(s: float, x: Array) -> Array:
+        return np.concatenate([x[2:], np.linalg.solve(mass(s), torque(s) - D * x[2:] - K * x[:2])])
+
+    whole = solve_ivp(rates, (0.0, t[-1]), np.zeros(4), t_eval=t, rtol=1e-9, atol=1e-13)
+    response = LinkResponse.of(np.array([mass(s) for s in t]), np.tile(K, (len(t), 1)), D, 0.002)
+    found = response(np.array([torque(s) for s in t]))
+    assert np.abs(found - whole.y[:2].T).max() < 1e-3 * np.abs(found).max()
+
+
+def test_a_spring_that_is_stiff_for_the_clock_follows_its_load() -> None:
+    """Its vibration is far beyond what samples can hold."""
+    t = np.arange(1000) * 0.01
+    torque = np.sin(2.0 * t)[:, None] ** 3
+    response = LinkResponse.of(np.full((1000, 1, 1), 0.5), np.full((1000, 1), 1e6), np.array([1e4]), 0.01)
+    assert np.abs(response(torque) - torque / 1e6).max() < 0.05 / 1e6
