@@ -1,7 +1,5 @@
 """The types of arrays of numbers, of truth values and of indices."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -187,9 +187,7 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     """
     options = [str(option) for option in known]
     near = difflib.get_close_matches(str(word), options, n=1, cutoff=0.6)
-    if near:
-        return f"did you mean '{near[0]}'?"
-    return f"known: {listed(options, 40)}"
+    return f"did you mean '{near[0]}'?" if near else f"known: {listed(options, 40)}"
 
 
 def listed(names: Iterable[str], most: int) -> str:

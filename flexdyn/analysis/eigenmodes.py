@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.analysis.analysed_model import checked_model, without
-from flexdyn.analysis.jacobian import state_matrix
 from flexdyn.analysis.modes_result import Modes
 from flexdyn.analysis.pose import Pose, pose
 from flexdyn.analysis.statics import Statics
@@ -16,6 +15,7 @@ from flexdyn.arrays import Array
 from flexdyn.checks import check_known
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.plant import state_matrix
 
 Rotors = Literal["free", "held"]
 ZERO_FREQUENCY_SHARE = 1e-10

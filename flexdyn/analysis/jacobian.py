@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from flexdyn import _core
 from flexdyn.analysis.analysed_model import dry_effects, without
 from flexdyn.analysis.statics import Statics
 from flexdyn.arrays import Array
@@ -35,17 +34,6 @@ def without_resting_friction(model: FlexibleJointModel, x: Array) -> FlexibleJoi
     """The model without the dry friction of contacts that rest at x; sliding contacts keep theirs."""
     still = [id(effect) for effects in resting(model, x).values() for effect in effects]
     return without(model, lambda effect: id(effect) in still)
-
-
-def state_matrix(plant: _core.Plant, t: float, x: Array, tau: Array) -> Array:
-    """A = d(x')/dx (nx, nx): the links' part is analytic, from Pinocchio; with full rotor coupling by differences.
-
-    Every law stays on its branch at this state: a sliding contact keeps sliding, a gap stays open or closed, an end
-    stop or a torque limit acts or does not. A contact that dry friction holds has no acceleration.
-    """
-    A = np.empty((len(x), len(x)))
-    plant.jacobian(t, x, tau, 0.0, A)
-    return A
 
 
 def actuator_gains(statics: Statics, x: Array, tau: Array) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexdyn.analysis.analysed_model import checked_model, command_delays
-from flexdyn.analysis.jacobian import actuator_gains, resting, sliding_rate, state_matrix, without_resting_friction
+from flexdyn.analysis.jacobian import actuator_gains, resting, sliding_rate, without_resting_friction
 from flexdyn.analysis.linear_model import LinearModel, output_matrix, state_names
 from flexdyn.analysis.pose import ByJoint, Pose, pose, torques, vector
 from flexdyn.analysis.statics import Statics
@@ -17,7 +17,7 @@ from flexdyn.arrays import Array
 from flexdyn.checks import check_known
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.simulation.plant import build_plant
+from flexdyn.simulation.plant import build_plant, state_matrix
 
 
 def linearize(

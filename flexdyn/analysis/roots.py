@@ -90,9 +90,7 @@ class Search:
         if found:
             return q, True
         low, arrived = self._downhill(guess)
-        if arrived:
-            return self.newton(low)
-        return q, False
+        return self.newton(low) if arrived else (q, False)
 
     def newton(self, q: Array) -> tuple[Array, bool]:
         """Newton's method with minimum-norm steps, each of which is shortened until the torques decrease."""

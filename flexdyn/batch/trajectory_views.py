@@ -12,8 +12,7 @@ from flexdyn.arrays import Array, Indices
 from flexdyn.batch.results import Results
 from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK, blend, hue
-from flexdyn.plots.panel import Curve, Key, Panel, limits, short
-from flexdyn.plots.views import TIME
+from flexdyn.plots.panel import Curve, Key, Panel, short
 
 _WIDE, _HALF = "9 of 10 runs between", "half of all runs between"
 LINES = {
@@ -74,7 +73,7 @@ def _panel(t: Array, lines: Array, name: str, unit: str, colour: str) -> Panel:
     )
     signal, _, joint = name.partition(".")
     label, span = f"{signal} [{unit}]", (float(t[0]), float(t[-1]))
-    return Panel(short(joint), TIME, label, curves, x_range=span, y_range=limits(lines), colour=colour, timed=True)
+    return Panel.over_time(short(joint), label, curves, span, colour=colour)
 
 
 def quantiles(blocks: Callable[[], Iterator[Array]], runs: int, shares: Sequence[float]) -> Array:

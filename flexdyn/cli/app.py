@@ -76,12 +76,10 @@ def build() -> Any:
     return typer.main.get_command(app)
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
-        from flexdyn import __version__
+def _print_version() -> None:
+    from flexdyn import __version__
 
-        typer.echo(f"flexdyn {__version__}")
-        raise typer.Exit
+    typer.echo(f"flexdyn {__version__}")
 
 
 def _program(

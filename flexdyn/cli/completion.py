@@ -19,34 +19,28 @@ def asked() -> bool:
     return VARIABLE in os.environ
 
 
-def install(wanted: bool) -> None:
+def install() -> None:
     """Write the script for the running shell to the place where that shell reads it.
 
     Raises:
         InputError: the shell is not known.
     """
-    if not wanted:
-        return
     from typer._completion_shared import install as write
 
     shell, path = write(shell=_shell("--install-completion"), prog_name="flexdyn", complete_var=VARIABLE)
     typer.echo(f"completion for {shell} is installed in {path}; it works in the next terminal")
-    raise typer.Exit
 
 
-def show(wanted: bool) -> None:
+def show() -> None:
     """Print the script.
 
     Raises:
         InputError: the shell is not known.
     """
-    if not wanted:
-        return
     from typer._completion_shared import get_completion_script
 
     shell = _shell("--show-completion")
     typer.echo(get_completion_script(prog_name="flexdyn", complete_var=VARIABLE, shell=shell))
-    raise typer.Exit
 
 
 def models(incomplete: str) -> list[str]:

@@ -17,9 +17,16 @@ from flexdyn.io.files import check_suffix
 from flexdyn.plots.picture import FILES
 
 
-def flag(name: str, help: str, callback: Callable[[bool], None] | None = None) -> Any:
-    """An option without a value; one with a callback is read before all others."""
-    return typer.Option(name, metavar="", help=help, callback=callback, is_eager=callback is not None)
+def flag(name: str, help: str, instead: Callable[[], None] | None = None) -> Any:
+    """An option without a value; what it does instead of a command, if anything, is done before others are read."""
+
+    def callback(wanted: bool) -> bool:
+        if wanted and instead is not None:
+            instead()
+            raise typer.Exit
+        return wanted
+
+    return typer.Option(name, metavar="", help=help, callback=callback, is_eager=instead is not None)
 
 
 def option(metavar: str, help: str, *names: str) -> Any:

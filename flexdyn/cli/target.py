@@ -7,7 +7,7 @@ from pathlib import Path
 
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.model_file import load_model, shipped_models
+from flexdyn.model.model_file import is_robot, load_model, shipped_models
 from flexdyn.records.files import is_recording
 from flexdyn.robot import load_robot, robot_names
 
@@ -62,8 +62,7 @@ def model_file(name: str) -> FlexibleJointModel:
     path = Path(name)
     if path.is_file():
         _refuse_recording(path)
-    is_robot = name in robot_names() and name not in shipped_models()
-    if path.suffix.lower() in URDF_SUFFIXES if path.is_file() else is_robot:
+    if path.suffix.lower() in URDF_SUFFIXES if path.is_file() else is_robot(name):
         remedy = f"make a model of it: flexdyn new {name} -o {path.stem}.yaml"
         raise InputError("a robot is no model yet", file=name, remedy=remedy)
     return load_model(name)

@@ -149,7 +149,7 @@ def _find(path: Any) -> Path:
         remedy = "a robot becomes one by FlexibleJointModel(robot)" if isinstance(path, Robot) else None
         raise InputError("the path of a model.yaml is needed", key="model", value=path, remedy=remedy)
     file = Path(path)
-    if file.suffix.lower() in ROBOT_SUFFIXES or (not is_file(file) and _is_robot(str(path))):
+    if file.suffix.lower() in ROBOT_SUFFIXES or (not is_file(file) and is_robot(str(path))):
         raise InputError("a robot is no model yet", file=str(path), remedy=_becomes_model(str(path)))
     if is_file(file):
         return file
@@ -164,7 +164,8 @@ def _find(path: Any) -> Path:
     raise InputError("no such model file or shipped model", key=str(path), remedy=remedy)
 
 
-def _is_robot(name: str) -> bool:
+def is_robot(name: str) -> bool:
+    """Whether a robot has this name and no model does."""
     return name in robot_names() and name not in shipped_models()
 
 

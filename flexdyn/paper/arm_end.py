@@ -99,7 +99,6 @@ def end_force(cases: PaperCases) -> Chapter:
         force=-FORCE[0],
         release=RELEASE,
         settling=SETTLING,
-        paper_v=PAPER_V,
         bent=bent,
         deflection=heavy.deflection[at],
         mean=mean,

@@ -8,11 +8,17 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from flexdyn.io.text import fill
 from flexdyn.io.yaml import read_yaml
+from flexdyn.paper.cases import AMPLITUDE, CASES_DURATION, CASES_OBSERVED, PAPER_V, PULSE
 from flexdyn.simulation.run import Run
 
 Drawing = Callable[[Any], None]
+SHARED: dict[str, Any] = {"paper_v": PAPER_V, "amplitude": AMPLITUDE, "pulse": PULSE, "watched": CASES_OBSERVED}
+SHARED |= {"duration": CASES_DURATION, "degrees": np.degrees, "tuple": tuple}
+"""What every template may name."""
 
 
 @dataclass(frozen=True)
@@ -108,6 +114,6 @@ def prose(template: str, **filled: Any) -> str:
 
     Args:
         template: name of its file.
-        filled: what its names stand for.
+        filled: what its names stand for, beside those that every template may use.
     """
-    return fill(f"paper/{template}", **filled)
+    return fill(f"paper/{template}", **(SHARED | filled))

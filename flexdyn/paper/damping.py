@@ -9,7 +9,7 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.paper import style
-from flexdyn.paper.cases import CASES_DURATION, CASES_OBSERVED, DAMPINGS, TORQUE_END, PaperCases, bang_bang
+from flexdyn.paper.cases import CASES_DURATION, DAMPINGS, TORQUE_END, PaperCases, bang_bang
 from flexdyn.paper.chapter import Chapter, figure, prose, stated
 from flexdyn.paper.vibration import Mode, Residual, amplitude, modes, pluck_rate, residual, slowest_rates
 from flexdyn.simulation.run import Run
@@ -80,11 +80,9 @@ def _text(cases: PaperCases, found: Mapping[float, Residual], best: float, best_
         damped=both(0.5),
         share=abs(free["slow"].shape[2] / free["slow"].shape[0]),
         rows=[{"v": v, "found": each, **both(v)} for v, each in found.items()],
-        watched=CASES_OBSERVED,
         J=cases.arm().J,
         best=best,
         best_rate=best_rate,
-        degrees=np.degrees,
     )
 
 

@@ -9,7 +9,6 @@ import numpy as np
 from flexdyn.effects import CoulombFriction, StribeckFriction, ViscousFriction
 from flexdyn.paper import style
 from flexdyn.paper.cases import (
-    CASES_DURATION,
     CASES_OBSERVED,
     PAPER_V,
     TORQUE_END,
@@ -105,16 +104,7 @@ def friction_effect(cases: PaperCases) -> Chapter:
     }
     picture = figure("fig5_friction", lambda canvas: _draw_effect(canvas, runs))
     kept = {"fig5_flexible_friction": runs["flexible_friction"], "fig5_rigid_friction": runs["rigid_friction"]}
-    text = prose(
-        "friction_effect.md",
-        left=left,
-        moved=moved,
-        paper_v=PAPER_V,
-        watched=CASES_OBSERVED,
-        duration=CASES_DURATION,
-        degrees=np.degrees,
-        tuple=tuple,
-    )
+    text = prose("friction_effect.md", left=left, moved=moved)
     return Chapter("The effect of friction: Fig. 5", text, checks, numbers, (picture,), kept)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from flexdyn.io.json_text import jsonable
 from flexdyn.io.yaml import parse_yaml
 from flexdyn.paper import equations as eq
-from flexdyn.paper.cases import AMPLITUDE, PULSE, PaperCases
+from flexdyn.paper.cases import PaperCases
 from flexdyn.paper.chapter import Chapter, prose
 from flexdyn.paper.verification import random_states, tip_acceleration
 from flexdyn.simulation.run import Run
@@ -92,7 +92,5 @@ def readings(cases: PaperCases) -> list[dict[str, str]]:
         friction=friction,
         level=100 * friction.dynamic / cases.limit.stall_torque,
         J=arm.J,
-        amplitude=AMPLITUDE,
-        pulse=PULSE,
     )
     return list(parse_yaml(text)["readings"])

@@ -26,13 +26,10 @@ def responses(cases: PaperCases) -> Chapter:
     size = np.degrees(amplitude(cases.arm(), flexible)[flexible.t >= TORQUE_END])
     text = prose(
         "responses.md",
-        amplitude=AMPLITUDE,
-        pulse=PULSE,
         stall=cases.limit.stall_torque,
         cut_off=max(numbers["torque_cut_off_flexible"]),
         bends=numbers["largest_deflection_deg"],
         size=size,
-        tuple=tuple,
     )
     figures = (
         figure("fig4_torque", lambda canvas: _draw_torque(canvas, cases)),

@@ -51,7 +51,7 @@ def rotor_inertia(cases: PaperCases) -> Chapter:
         }
         for row in rows
     }
-    text = prose("rotor_inertia.md", rows=rows, compared=COMPARED_DAMPINGS, J=cases.arm().J, degrees=np.degrees)
+    text = prose("rotor_inertia.md", rows=rows, compared=COMPARED_DAMPINGS, J=cases.arm().J)
     picture = figure("rotor_inertia", lambda canvas: _draw(canvas, cases, rows))
     return Chapter("The rotor inertia, which the paper leaves out", text, checks, numbers, (picture,))
 

@@ -24,7 +24,7 @@ def verification(cases: PaperCases) -> Chapter:
     run, distance = twice_integrated(cases)
     checks = [*_dynamics(cases), *_kinematics(cases)]
     checks.append(stated("integration", distance))
-    text = prose("verification.md", states=STATES, paper_v=PAPER_V)
+    text = prose("verification.md", states=STATES)
     return Chapter("The equations", text, tuple(checks), runs={"smooth_torque": run})
 
 

@@ -14,7 +14,6 @@ from flexdyn.plots.palette import INK, hue, shade
 from flexdyn.plots.panel import Bar, Key, Panel, check_times, limits, short
 from flexdyn.plots.picture import Picture
 from flexdyn.plots.thinning import curve_over_time
-from flexdyn.plots.views import TIME
 from flexdyn.records.units import is_held, split_name
 
 MOST_BARS = 28
@@ -75,7 +74,7 @@ def _over_time(found: Comparison, worst: Sequence[ChannelError]) -> Block:
     """The channels with the largest errors over time: both motions above, their difference below."""
     one, two = found.sources
     rows = common_rows(one, two, found.start, found.end)
-    above, beneath = [], []
+    span, above, beneath = (found.start, found.end), [], []
     for row in worst:
         both = difference(one, two, row.channel, rows)
         unit = f" [{row.unit}]" if row.unit else ""
@@ -87,32 +86,13 @@ def _over_time(found: Comparison, worst: Sequence[ChannelError]) -> Block:
                 (two, both.second, shade(colour, found.sources, 1)),
             )
         ]
-        panel = Panel(
-            f"{short(row.channel)}, largest error",
-            TIME,
-            f"value{unit}",
-            tuple(curves),
-            x_range=(found.start, found.end),
-            timed=True,
-            labelled=False,
-            colour=colour,
-            y_range=limits(both.first, both.second),
-        )
+        title = f"{short(row.channel)}, largest error"
+        above.append(Panel.over_time(title, f"value{unit}", curves, span, colour=colour, labelled=False))
         name = f"{row.channel}, {two.name} less {one.name}"
         error = curve_over_time(both.t, both.error, name, two.name, INK, held=held)
-        above.append(panel)
-        beneath.append(
-            replace(
-                panel,
-                title=f"RMS {row.rms:.4g}, largest {row.largest:.4g} {row.unit} at {row.at:.4g} s",
-                up=f"error{unit}",
-                curves=(error,),
-                colour=INK,
-                labelled=True,
-                level=True,
-                y_range=limits(both.error, np.zeros(1)),
-            )
-        )
+        title = f"RMS {row.rms:.4g}, largest {row.largest:.4g} {row.unit} at {row.at:.4g} s"
+        reach = limits(both.error, np.zeros(1))
+        beneath.append(Panel.over_time(title, f"error{unit}", [error], span, y_range=reach, level=True))
     return Block((tuple(above), tuple(beneath)), (1.9, 1.0), 3.4)
 
 

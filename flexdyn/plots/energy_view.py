@@ -10,10 +10,9 @@ from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import model_in
 from flexdyn.plots.palette import INK, LOSSES, PARTS
-from flexdyn.plots.panel import Panel, limits
+from flexdyn.plots.panel import Panel
 from flexdyn.plots.scene import PlotScene
 from flexdyn.plots.thinning import curve_over_time
-from flexdyn.plots.views import TIME
 from flexdyn.records import Recording
 from flexdyn.simulation.energy import Energy, StoredEnergy, stored_energy
 from flexdyn.simulation.inputs_and_signals import SIGNALS
@@ -130,15 +129,4 @@ def _panel(title: str, scene: PlotScene, place: int, entries: Entries) -> Panel:
         curve_over_time(t, values[rows], label, label, colour, width=2.2 if label == ALL else 1.3)
         for label, (values, colour) in entries.items()
     )
-    return Panel(
-        title,
-        TIME,
-        UP,
-        curves,
-        x_range=scene.span,
-        y_range=limits(*(curve.y for curve in curves)),
-        colour=INK,
-        timed=True,
-        legend=True,
-        level=True,
-    )
+    return Panel.over_time(title, UP, curves, scene.span, colour=INK, legend=True, level=True)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any, Self
 
 import numpy as np
 
@@ -10,6 +12,7 @@ from flexdyn.arrays import Array
 from flexdyn.errors import InputError
 from flexdyn.plots.palette import INK
 
+TIME = "t [s]"
 LARGEST_DRAWN, SMALLEST_DRAWN = 1e150, 1e-150
 """Largest number that is drawn, and smallest difference: the renderers compute squares of them."""
 MARGIN = 0.06
@@ -134,6 +137,20 @@ class Panel:
     labelled: bool = True
     box: Box = field(default=Box(0.0, 0.0, 1.0, 1.0))
     level: bool = False
+
+    @classmethod
+    def over_time(cls, title: str, up: str, curves: Sequence[Curve], span: tuple[float, float], **look: Any) -> Self:
+        """A panel whose horizontal axis is time; by default its vertical axis has the range of the curves.
+
+        Args:
+            title: above it.
+            up: label of the vertical axis, with its unit.
+            curves: its curves, the lowest first.
+            span: first and last time [s].
+            look: further attributes of the panel.
+        """
+        timed: dict[str, Any] = {"x_range": span, "y_range": limits(*(curve.y for curve in curves)), "timed": True}
+        return cls(title, TIME, up, tuple(curves), **timed | look)
 
     @property
     def keys(self) -> tuple[Key, ...]:

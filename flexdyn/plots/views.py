@@ -10,12 +10,11 @@ import numpy as np
 from flexdyn.comparison.difference import Difference, difference
 from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK, shade
-from flexdyn.plots.panel import Curve, Key, Panel, limits, short
+from flexdyn.plots.panel import TIME, Curve, Key, Panel, limits, short
 from flexdyn.plots.scene import DEFLECTION, PlotScene, SignalTrace
 from flexdyn.plots.thinning import curve_over_time
 from flexdyn.records.units import HELD
 
-TIME = "t [s]"
 RESIDUAL = "residual"
 
 
@@ -128,17 +127,9 @@ def residual_of(scene: PlotScene, view: View, joint: str) -> Panel | None:
             said.append(f"{label} {_in_few(rms)}")
     if not curves:
         return None
-    return Panel(
-        f"RMS {', '.join(said)} {unit}",
-        TIME,
-        f"{RESIDUAL} [{unit}]",
-        tuple(curves),
-        x_range=scene.span,
-        y_range=limits(*(curve.y for curve in curves), np.zeros(1)),
-        colour=INK,
-        timed=True,
-        level=True,
-    )
+    reach = limits(*(curve.y for curve in curves), np.zeros(1))
+    title, up = f"RMS {', '.join(said)} {unit}", f"{RESIDUAL} [{unit}]"
+    return Panel.over_time(title, up, curves, scene.span, y_range=reach, colour=INK, level=True)
 
 
 def keys_of(scene: PlotScene, views: Sequence[View], panels: Sequence[Panel | None]) -> tuple[Key, ...]:

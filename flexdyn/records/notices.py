@@ -1,7 +1,5 @@
 """Warnings about a recording that is read."""
 
-from __future__ import annotations
-
 
 class RecordingWarning(UserWarning):
     r"""Something about a file was guessed, or the user should know it: encoding, decimal sign, gaps in time.

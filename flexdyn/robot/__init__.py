@@ -1,7 +1,5 @@
 """Any URDF arm, a robot known by name, or a pin.Model, as one checked and immutable Robot."""
 
-from __future__ import annotations
-
 from flexdyn.robot.kinematics import frame_positions
 from flexdyn.robot.load import load_robot
 from flexdyn.robot.names import robot_names

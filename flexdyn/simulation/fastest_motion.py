@@ -16,7 +16,7 @@ from flexdyn.effects.motor import MotorWinding
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.laws import acting_effects, core_law
 from flexdyn.simulation.link_side import build_links
-from flexdyn.simulation.plant import rotor_spin
+from flexdyn.simulation.plant import rotor_spin, state_matrix
 
 WIDE = math.inf  # rad/s: smoothed over this width, dry friction has practically no slope
 
@@ -84,9 +84,7 @@ class _Parts:
         K, D = numbers.get("K", true.stiffness), numbers.get("D", true.damping)
         kept = self.laws if laws is None else laws
         plant = _core.plant(self.links, K, D, true.rotor_inertia, rotor_spin(true), kept)
-        out = np.empty((plant.state_size, plant.state_size))
-        plant.jacobian(t, np.ascontiguousarray(x), np.ascontiguousarray(tau), WIDE, out)
-        return out
+        return state_matrix(plant, t, x, tau, WIDE)
 
     def without(self, x: Array, tau: Array, t: float) -> Iterator[tuple[str, str, Array]]:
         """Joint, part in words, and the Jacobian without that part, in the shape of the full one."""

@@ -104,6 +104,18 @@ def coupled_inertia(plant: _core.Plant, x: Array, size: int, where: str = "") ->
     return H
 
 
+def state_matrix(plant: _core.Plant, t: float, x: Array, tau: Array, smoothing: float = 0.0) -> Array:
+    """A = d(x')/dx (nx, nx): the links' part is analytic, from Pinocchio; with full rotor coupling by differences.
+
+    Every law stays on its branch at this state: a sliding contact keeps sliding, a gap stays open or closed, an end
+    stop or a torque limit acts or does not. A contact that dry friction holds has no acceleration, unless dry friction
+    is smoothed over a velocity [rad/s].
+    """
+    A = np.empty((len(x), len(x)))
+    plant.jacobian(t, np.ascontiguousarray(x), np.ascontiguousarray(tau), smoothing, A)
+    return A
+
+
 def check_model(model: Any) -> None:
     """Refuse what is no model.
 

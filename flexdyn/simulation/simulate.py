@@ -179,9 +179,7 @@ def _finished(job: Job, report: Mapping[str, Any]) -> Run | FlexdynError:
     """The run, or the error that ended it."""
     error = report["error"]
     if error is not None:
-        if isinstance(error, FlexdynError):
-            return error
-        return _stopped(job.model, error, report["t"])
+        return error if isinstance(error, FlexdynError) else _stopped(job.model, error, report["t"])
     try:
         return job.finish(report)
     except SimulationError as failure:

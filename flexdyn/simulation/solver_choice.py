@@ -13,6 +13,7 @@ from flexdyn.arrays import Array
 from flexdyn.effects import Effect, JointCoupling
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.simulation.plant import state_matrix
 from flexdyn.simulation.solvers import (
     DormandPrince,
     DormandPrinceThenRosenbrock,
@@ -85,12 +86,8 @@ def switch_notes(notes: tuple[str, ...], solver: Solver) -> tuple[str, ...]:
 
 def fastest_rate(plant: _core.Plant, x0: Array) -> float:
     """The largest absolute eigenvalue of the motion linearised at x0, without dry friction [1/s]."""
-    size = plant.state_size
-    jacobian = np.empty((size, size))
-    plant.jacobian(0.0, x0, np.zeros(plant.n), math.inf, jacobian)  # friction smoothed so wide has no slope
-    if not np.isfinite(jacobian).all():
-        return 0.0
-    return float(np.abs(np.linalg.eigvals(jacobian)).max())
+    A = state_matrix(plant, 0.0, x0, np.zeros(plant.n), math.inf)  # friction smoothed so wide has no slope
+    return float(np.abs(np.linalg.eigvals(A)).max()) if np.isfinite(A).all() else 0.0
 
 
 def budget(solver: Solver, duration: float) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass, fields
-from typing import Any, ClassVar
+from typing import Any
 
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError, did_you_mean
@@ -24,8 +24,6 @@ __all__ = [
 @dataclass(frozen=True, kw_only=True)
 class Solver:
     """Base of the solvers' settings."""
-
-    name: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
         """Check every setting: numbers above 0."""

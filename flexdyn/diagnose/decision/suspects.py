@@ -77,18 +77,13 @@ def considered(model: FlexibleJointModel, space: Space, masses: Masses) -> tuple
         space: that compared them.
         masses: of the sets.
     """
-    found = []
-    for c in masses.candidates:
-        probability = masses.of_any([c])
-        suspect = suspect_of(model, space.candidates[c], probability)
-        found.append(Considered(suspect, probability, masses.log_bayes_factor(c), ""))
+    found = [(c, masses.of_any([c]), masses.log_bayes_factor(c), "") for c in masses.candidates]
+    best = float(masses.probability[0])
     for gain, (c, _) in Scan(space).additions(masses.structures[0]):
         if c not in masses.candidates:
-            probability = float(masses.probability[0]) * math.exp(min(gain, 0.0))
-            suspect = suspect_of(model, space.candidates[c], probability)
-            found.append(Considered(suspect, probability, gain, FAR))
-    order = sorted(range(len(found)), key=lambda k: (-found[k].probability, -found[k].log_bayes_factor, k))
-    return tuple(found[k] for k in order)
+            found.append((c, best * math.exp(min(gain, 0.0)), gain, FAR))
+    found.sort(key=lambda each: (-each[1], -each[2]))
+    return tuple(Considered(suspect_of(model, space.candidates[c], p), p, factor, note) for c, p, factor, note in found)
 
 
 def structures(model: FlexibleJointModel, candidates: Sequence[Candidate], masses: Masses) -> tuple[Structure, ...]:

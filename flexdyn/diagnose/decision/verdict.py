@@ -31,9 +31,7 @@ def is_noise(shots: Shots | None, left: Sequence[Left]) -> bool:
         shots: windows; None: the data are too short for one, and the equations alone decide.
         left: what the equations of the corrected model leave, joints with 1 % of their torque or more.
     """
-    if shots is None:
-        return not left
-    return shots.after.is_noise(shots.gap.floor) and not left
+    return not left and (shots is None or shots.after.is_noise(shots.gap.floor))
 
 
 def verdict(*, named: bool, noise: bool, converged: bool) -> Verdict:

@@ -160,13 +160,11 @@ def _proposal(kind: type[JointEffect], place: Mapping[str, str], equations: Equa
     law = Law(kind, place, equations, j)
     extent = extent_of(equations, j)
     grids = {entry.name: _values(entry, extent) for entry in kind.parameters()}
-    points = [dict(zip(grids, numbers, strict=True)) for numbers in _thinned(grids.values(), MOST_GRID_POINTS)]
+    points = [dict(zip(grids, numbers, strict=True)) for numbers in _thinned(grids.values())]
     base = law.first_that_works(points)
     linear = law.linear_in(base)
     others = [name for name in grids if name not in linear]
-    grid = [
-        p for p in _thinned([grids[name] for name in others], MOST_GRID_POINTS) if law.works(base | _named(others, p))
-    ]
+    grid = [p for p in _thinned([grids[name] for name in others]) if law.works(base | _named(others, p))]
 
     def build(point: Point, x: Sequence[float]) -> Effect | None:
         try:
@@ -183,10 +181,10 @@ def _named(names: Sequence[str], numbers: Sequence[float]) -> dict[str, float]:
     return dict(zip(names, numbers, strict=True))
 
 
-def _thinned(grids: Any, most: int) -> list[tuple[float, ...]]:
+def _thinned(grids: Any) -> list[tuple[float, ...]]:
     """The product of grids; if it is large, evenly spaced points with the first one."""
     whole = list(itertools.product(*grids))
-    return [whole[k] for k in np.unique(np.linspace(0, len(whole) - 1, min(most, len(whole))).astype(int))]
+    return [whole[k] for k in np.unique(np.linspace(0, len(whole) - 1, min(MOST_GRID_POINTS, len(whole))).astype(int))]
 
 
 def _values(entry: dataclasses.Field[Any], extent: MotionExtent) -> tuple[float, ...]:

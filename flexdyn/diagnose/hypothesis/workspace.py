@@ -18,13 +18,16 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.hidden_links import of_first_states
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis import number_columns
+from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.effects import SensorOffset
-from flexdyn.errors import InputError
+from flexdyn.errors import InputError, SimulationError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber, file_numbers, with_factors
 
+PAUSES_STEPS = 3
+"""Gauss-Newton steps of the file's numbers, by which the equations during pauses are chosen."""
 MANY = 200.0
 """A wider filter is used only if recordings are longer than this multiple of it [1]."""
 
@@ -75,15 +78,30 @@ def prepared(
     bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), start.factors)
     used = ~sign_mask(bare.equations, noise).reshape(-1, len(bare.equations.kinds))
     if used.sum(axis=0).min() < len(start.factors):  # sweeps of single joints: some equation cannot tell the numbers
-        moving = dataclasses.replace(bare.equations, simulated=bool((bare.equations.made_up & ~data[0].has_q).any()))
-        if not moving.simulated or vibration_rules(moving, noise):
-            moving = dataclasses.replace(bare.equations, quasi_static=True)
-        bare = Unweighted.of(moving, start.factors)
+        bare = _through_pauses(bare, noise, start)
     if sign_mask(bare.equations, noise).all():
         problem = "joints rest, or may rest, so often that no equation can be used"
         remedy = "let all joints move at once for seconds: while one sticks, its friction torque is unknown"
         raise InputError(problem, file=data[0].name, key="t", remedy=remedy)
     return bare, noise, start
+
+
+def _through_pauses(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Unweighted:
+    """Equations that use rows during pauses of motors: with simulated links, or with links that follow their load.
+
+    Links are simulated unless encoder noise would make them vibrate too much, or the file's numbers, fitted, leave more
+    with them: then the vibration is so far off that its slopes mislead.
+    """
+    following = Unweighted.of(dataclasses.replace(bare.equations, quasi_static=True), start.factors)
+    moving = dataclasses.replace(bare.equations, simulated=True)
+    if not (moving.made_up & ~moving.data[0].has_q).any() or vibration_rules(moving, noise):
+        return following
+    behind = Unweighted.of(moving, start.factors)
+    try:
+        left = [fit(start, weighed(each, noise), steps=PAUSES_STEPS).reduced for each in (behind, following)]
+    except SimulationError:
+        return following
+    return behind if left[0] <= left[1] else following
 
 
 def recorded_noise(data: tuple[Measured, ...]) -> SampleNoise:

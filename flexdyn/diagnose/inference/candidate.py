@@ -70,9 +70,7 @@ class Candidate:
 
     def effect(self, point: int, values: Array) -> Effect | None:
         """The effect with these linear numbers; None where they make no sense, or for a number."""
-        if self.proposal is None:
-            return None
-        return self.proposal.make(self.points[point], values)
+        return None if self.proposal is None else self.proposal.make(self.points[point], values)
 
 
 @dataclass(frozen=True, eq=False)

@@ -46,6 +46,7 @@ class ColumnMaker:
         noise: of the channels.
         mask: rows that say nothing (rows,).
         first: the same at the model as given, whose torques scale the priors; None: this one.
+        given_sizes: largest shares of the columns made so far.
     """
 
     equations: Equations
@@ -58,6 +59,7 @@ class ColumnMaker:
     noise: SampleNoise
     mask: Flags
     first: ColumnMaker | None = None
+    given_sizes: dict[tuple[object, ...], Array] = dataclasses.field(default_factory=dict, init=False)
 
     @lazy
     def sizes(self) -> Sizes:
@@ -137,11 +139,6 @@ class ColumnMaker:
             self.given_sizes[(tuple(sorted(proposal.place.items())), point)] = else_
             return else_
         return self.first.given_sizes.get((tuple(sorted(proposal.place.items())), point), else_)
-
-    @lazy
-    def given_sizes(self) -> dict[tuple[object, ...], Array]:
-        """Largest shares of the columns made so far."""
-        return {}
 
     def alone(self, effect: Effect) -> Self:
         """The same at the same numbers and no effect but one."""

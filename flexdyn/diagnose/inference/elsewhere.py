@@ -49,11 +49,11 @@ def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[fr
 
 
 def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) -> Structure:
-    """The most likely by fits of what a linearisation stands at, what it prefers, and each law in addition.
+    """The most likely by fits of what a linearisation stands at, what it prefers, and each candidate in addition.
 
     Where links are simulated along the motion of their motors, they may vibrate, and the equations bend before a law
-    of the wrong size shows in their slopes. So where more than noise is left, laws are tried though the slopes promise
-    nothing.
+    of the wrong size shows in their slopes. So where more than noise is left, candidates are tried though the slopes
+    promise nothing.
 
     Args:
         space: of the linearisation.
@@ -64,9 +64,9 @@ def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) ->
     count, squares = space.noise.count, _squares(base)
     lacks = (squares > (1.0 + NOISE_LEVEL_ERROR) * count + CHANCE_ROOM * np.sqrt(2.0 * count)).any()
     added = [point for gain, point in Scan(space).additions(stands) if lacks and gain > -OCCAM_WINDOW]
-    laws = [(c, p) for c, p in added if space.candidates[c].proposal is not None and not waits(space, c)]
+    tried = [best, *(stands | {(c, p)} for c, p in added if not waits(space, c))]
     found, most = stands, _log_posterior(space, stands, base)
-    for structure in dict.fromkeys([best, *(stands | {point} for point in laws)]):
+    for structure in dict.fromkeys(tried):
         if structure != stands:
             value = _by_fit(space, structure, base, STEPS_TRIED)
             found, most = (structure, value) if value > most else (found, most)

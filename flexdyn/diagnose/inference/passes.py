@@ -193,7 +193,7 @@ def _numbers_alone(bare: Unweighted, recorded: SampleNoise, mask: Flags, start: 
     at = bare.equations.of(start.model())
     noise = quieter(recorded, at, mask)
     there, seen = start, rows_of(at, mask)
-    for _ in range(WEIGHTINGS):
+    for _ in range(WEIGHTINGS if bare.equations.simulated else 1):
         work = for_fit(bare, noise, mask, seen, there)
         made = fit(there, work, steps=NUMBERS_STEPS)
         there = made.hypothesis

@@ -1,7 +1,5 @@
 """How large an effect, a number and a parameter may be, before any data: see docs/diagnosis.md, "Priors"."""
 
-from __future__ import annotations
-
 EFFECT_TORQUE_SHARE = 0.3
 """Prior standard deviation of an effect's torque, as a share of the joint's root mean square torque."""
 FREED_WIDTH = 1.0

@@ -59,11 +59,6 @@ def suspect_phrase(model: FlexibleJointModel, suspect: Suspect) -> str:
     return f"{article(suspect.effect)}{effect_name(suspect.effect)} {where}".strip()
 
 
-def title_phrase(model: FlexibleJointModel, suspect: Suspect) -> str:
-    """The same as a title or a row of a table: no article, the first letter a capital one."""
-    return plain_phrase(suspect_phrase(model, suspect))
-
-
 def plain_phrase(phrase: str) -> str:
     """A phrase without its article, the first letter a capital one."""
     return capital(phrase.removeprefix("a ").removeprefix("an "))

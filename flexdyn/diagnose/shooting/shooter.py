@@ -75,8 +75,8 @@ class Shooter:
         self.memory = [effect for effect in acting_effects(self.model) if isinstance(effect, MemoryEffect)]
         timed = any(is_timed(effect) for effect in self.model.all_effects)
         count = len(windows)
-        begins = windows.t[:, 0] - np.array([windows.recordings[k].t[0] for k in windows.places[:, 0]])
-        models = [at_time(self.model, begin) for begin in begins] if timed else [self.model]
+        self.begins = windows.t[:, 0] - np.array([windows.recordings[k].t[0] for k in windows.places[:, 0]])
+        models = [at_time(self.model, begin) for begin in self.begins] if timed else [self.model]
         plants = [build_plant(each) for each in models]
         self.plants = plants if timed else plants * count
         self._held = _torques(model.resolved(), windows, extra)
@@ -167,8 +167,7 @@ class Shooter:
     @property
     def torques_known(self) -> Flags:
         """Windows that need no torques from before the recording (windows,)."""
-        begins = np.array([self.windows.recordings[k].t[0] for k in self.windows.places[:, 0]])
-        return np.asarray(self.windows.t[:, 0] - begins >= _shifts(self.given.resolved()).max())
+        return np.asarray(self.begins >= _shifts(self.given.resolved()).max())
 
     def reported(self, motion: SimulatedWindows) -> Array:
         """The readings of the model's sensors, without their lag (windows, rows, channels)."""

@@ -110,9 +110,9 @@ class _Reader:
             words = {"cell": "a cell array", "struct": "a struct array", "function_handle": "a function handle"}
             other = "complex numbers" if dataset.dtype.names else f"of the type {dataset.dtype}"
             return Leaf(name, words.get(kind, "a cell or struct array" if dataset.dtype.hasobject else other), (), str)
-        return Leaf(name, "numbers", shape, lambda: self._numbers(dataset, name))
+        return Leaf(name, "numbers", shape, lambda: self._numbers(dataset))
 
-    def _numbers(self, dataset: Any, name: str) -> Any:
+    def _numbers(self, dataset: Any) -> Any:
         self._bytes += dataset.size * dataset.dtype.itemsize
         check_size(self._bytes, self._on_disk)
         return dataset[()].T

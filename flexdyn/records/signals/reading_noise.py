@@ -61,9 +61,7 @@ def held_for(x: Array) -> int:
     The distances of all changes are multiples of this number; it is 1 if there are fewer than 8 changes.
     """
     changes = np.flatnonzero(np.diff(x) != 0)
-    if len(changes) < 8:
-        return 1
-    return int(np.gcd.reduce(np.diff(changes)))
+    return 1 if len(changes) < 8 else int(np.gcd.reduce(np.diff(changes)))
 
 
 def robust_std(values: Array) -> float:
