@@ -18,7 +18,7 @@ from flexdyn.diagnose.equations.covariance import whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.response import LinkResponse
 from flexdyn.diagnose.hypothesis.fitted import Workspace
-from flexdyn.diagnose.hypothesis.workspace import Unweighted, prepared, recorded_noise, weighed
+from flexdyn.diagnose.hypothesis.workspace import MOST_SIMULATED, Unweighted, prepared, recorded_noise, weighed
 from flexdyn.model.uncertain_parameters import file_numbers
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, RATE
@@ -100,6 +100,19 @@ def test_where_simulated_links_are_farther_off_they_follow_their_load() -> None:
     """A brake that closes at once, in the middle of the record, is no motion that a spline through samples holds."""
     model, data = _recorded(FINE)
     bare, _, _ = prepared(model, (data,))
+    assert bare.equations.quasi_static
+
+
+def test_links_of_a_long_record_follow_their_load() -> None:
+    """Every candidate would simulate all of it again."""
+    model, data = _recorded(FINE, stop=round(4.0 * RATE))
+    many = np.arange(MOST_SIMULATED // 2 + 1) % len(data.t)
+    long = dataclasses.replace(
+        data,
+        t=np.arange(len(many)) / RATE,
+        **{signal: getattr(data, signal)[many] for signal in ("q", "theta", "tau", "tau_s")},
+    )
+    bare, _, _ = prepared(model, (long,))
     assert bare.equations.quasi_static
 
 

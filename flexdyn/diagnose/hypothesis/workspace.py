@@ -28,6 +28,8 @@ from flexdyn.model.uncertain_parameters import FileNumber, file_numbers, with_fa
 
 PAUSES_STEPS = 3
 """Gauss-Newton steps of the file's numbers, by which the equations during pauses are chosen."""
+MOST_SIMULATED = 100_000
+"""Joints times samples, above which links are not simulated: some hundred fits of candidates simulate them again."""
 MANY = 200.0
 """A wider filter is used only if recordings are longer than this multiple of it [1]."""
 
@@ -89,12 +91,14 @@ def prepared(
 def _through_pauses(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Unweighted:
     """Equations that use rows during pauses of motors: with simulated links, or with links that follow their load.
 
-    Links are simulated unless encoder noise would make them vibrate too much, or the file's numbers, fitted, leave more
-    with them: then the vibration is so far off that its slopes mislead.
+    Links are simulated unless the record is too long for that, encoder noise would make them vibrate too much, or the
+    file's numbers, fitted, leave more with them: then the vibration is so far off that its slopes mislead.
     """
     following = Unweighted.of(dataclasses.replace(bare.equations, quasi_static=True), start.factors)
     moving = dataclasses.replace(bare.equations, simulated=True)
-    if not (moving.made_up & ~moving.data[0].has_q).any() or vibration_rules(moving, noise):
+    hidden = moving.made_up & ~moving.data[0].has_q
+    size = moving.true.n * sum(len(each.t) for each in moving.data)
+    if not hidden.any() or size > MOST_SIMULATED or vibration_rules(moving, noise):
         return following
     behind = Unweighted.of(moving, start.factors)
     try:
