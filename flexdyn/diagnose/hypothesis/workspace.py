@@ -91,14 +91,15 @@ def prepared(
 def _through_pauses(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Unweighted:
     """Equations that use rows during pauses of motors: with simulated links, or with links that follow their load.
 
-    Links are simulated unless the record is too long for that, encoder noise would make them vibrate too much, or the
-    file's numbers, fitted, leave more with them: then the vibration is so far off that its slopes mislead.
+    Links are simulated unless a transmission has a torque sensor, whose rows know of no response, the record is too
+    long, encoder noise would make the links vibrate too much, or the file's numbers, fitted, leave more with them: then
+    the vibration is so far off that its slopes mislead.
     """
     following = Unweighted.of(dataclasses.replace(bare.equations, quasi_static=True), start.factors)
     moving = dataclasses.replace(bare.equations, simulated=True)
     hidden = moving.made_up & ~moving.data[0].has_q
     size = moving.true.n * sum(len(each.t) for each in moving.data)
-    if not hidden.any() or size > MOST_SIMULATED or vibration_rules(moving, noise):
+    if not hidden.any() or moving.sensed or size > MOST_SIMULATED or vibration_rules(moving, noise):
         return following
     behind = Unweighted.of(moving, start.factors)
     try:
