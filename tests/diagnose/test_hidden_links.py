@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
 from functools import cache
 
 import numpy as np
@@ -21,8 +20,7 @@ from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.workspace import MOST_SIMULATED, Unweighted, prepared, recorded_noise, weighed
 from flexdyn.model.uncertain_parameters import file_numbers
 from tests.arms import two_link
-from tests.diagnose.truths import ARM, JOINTS, RATE
-from tests.oracles.integrate import held
+from tests.diagnose.truths import ARM, JOINTS, RATE, one_after_the_other
 
 Array = NDArray[np.float64]
 RINGING = dataclasses.replace(ARM, stiffness=(4000.0, 3000.0), damping=(2.0, 1.5))
@@ -37,22 +35,7 @@ def _swept(seconds: float = 8.0) -> tuple[Array, Array]:
     first, idle = t < 0.5 * seconds, 1.7 * np.sin(9.0 * t)
     jerks = 2.0 * np.sign(np.sin(2.5 * t))
     tau = np.stack([np.where(first, jerks, idle), np.where(first, idle, 0.5 * jerks)], axis=1)
-
-    def half(stuck: int, at: NDArray[np.bool_], start: list[float]) -> Array:
-        rows: Iterator[list[float]] = iter(tau[at].tolist())
-
-        def moves(x: Sequence[float], torque: Sequence[float]) -> Sequence[float]:
-            rates = list(RINGING.derivative(x, torque))
-            rates[2 + stuck] = rates[6 + stuck] = 0.0
-            return rates
-
-        states, _ = held(moves, start, t[at], lambda _t, _x: next(rows))
-        return np.asarray(states)
-
-    one = half(1, first, [0.1, 0.9, 0.1, 0.9, 0, 0, 0, 0])
-    begin = one[-1].copy()
-    begin[6] = 0.0
-    return np.concatenate([one, half(0, ~first, begin.tolist())]), tau
+    return one_after_the_other(RINGING, tau), tau
 
 
 def _recorded(step: float, stop: int | None = None) -> tuple[fd.FlexibleJointModel, Measured]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
 from functools import cache
 
 import numpy as np
@@ -18,8 +17,7 @@ from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.equations.rest import borders, long_runs, near
 from flexdyn.diagnose.hypothesis.workspace import recorded_noise
 from tests.arms import two_link
-from tests.diagnose.truths import ARM, RATE, Levels
-from tests.oracles.integrate import held
+from tests.diagnose.truths import ARM, RATE, Levels, one_after_the_other
 
 Array = NDArray[np.float64]
 STIFF = dataclasses.replace(ARM, stiffness=(20000.0, 15000.0), damping=(20.0, 15.0))
@@ -39,22 +37,7 @@ def _one_after_the_other(seconds: float = 8.0) -> tuple[Array, Array]:
         ],
         axis=1,
     )
-
-    def half(stuck: int, at: NDArray[np.bool_], start: list[float]) -> Array:
-        rows: Iterator[list[float]] = iter(tau[at].tolist())
-
-        def moves(x: Sequence[float], torque: Sequence[float]) -> Sequence[float]:
-            rates = list(STIFF.derivative(x, torque))
-            rates[2 + stuck] = rates[6 + stuck] = 0.0
-            return rates
-
-        states, _ = held(moves, start, t[at], lambda _t, _x: next(rows))
-        return np.asarray(states)
-
-    one = half(1, first, [0.1, 0.9, 0.1, 0.9, 0, 0, 0, 0])
-    begin = one[-1].copy()
-    begin[6] = 0.0  # the shoulder's brake closes
-    return np.concatenate([one, half(0, ~first, begin.tolist())]), tau
+    return one_after_the_other(STIFF, tau), tau
 
 
 def _recording(seed: int = 0) -> fd.Recording:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -44,6 +44,27 @@ def two_link_motion(seconds: float = 4.0) -> tuple[Array, Array]:
     rows = iter(tau.tolist())
     states, _ = held(ARM.derivative, [0.1, 0.9, 0.1, 0.9, 0, 0, 0, 0], t, lambda _t, _x: next(rows))
     return states, tau
+
+
+def one_after_the_other(arm: TwoLink, tau: Array) -> Array:
+    """States of an arm, its elbow's motor stuck in the first half of the torques and its shoulder's in the second."""
+    t = np.arange(len(tau)) / RATE
+    middle = len(tau) // 2
+
+    def half(stuck: int, at: slice, start: list[float]) -> Array:
+        rows: Iterator[list[float]] = iter(tau[at].tolist())
+
+        def moves(x: Sequence[float], torque: Sequence[float]) -> Sequence[float]:
+            rates = list(arm.derivative(x, torque))
+            rates[2 + stuck] = rates[6 + stuck] = 0.0
+            return rates
+
+        return np.asarray(held(moves, start, t[at], lambda _t, _x: next(rows))[0])
+
+    one = half(1, slice(middle), [0.1, 0.9, 0.1, 0.9, 0, 0, 0, 0])
+    begin = one[-1].copy()
+    begin[6] = 0.0  # the shoulder's brake closes
+    return np.concatenate([one, half(0, slice(middle, None), begin.tolist())])
 
 
 def two_link_recording(levels: Levels, seed: int, signals: Sequence[str] = ("q", "theta")) -> fd.Recording:

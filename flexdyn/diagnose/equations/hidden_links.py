@@ -63,10 +63,9 @@ def noise_of_vibration(equations: Equations, theta: Array, taps: Array) -> Array
     Returns:
         variances of the rows of each equation (equations,).
     """
-    model, data = equations.true, equations.data[0]
-    hidden = np.flatnonzero(equations.made_up & ~data.has_q)
+    model, hidden = equations.true, np.flatnonzero(equations.unmeasured)
     turn = np.linspace(0.0, np.pi, FREQUENCIES + 1)[1:]
-    w = (turn / data.dt)[:, None, None]
+    w = (turn / equations.data[0].dt)[:, None, None]
     M = np.concatenate([along.M for along in equations.motions]).mean(axis=0)
     spring = np.diag(model.stiffness[hidden]) + 1j * w * np.diag(model.damping[hidden])
     heavy = -(w**2) * M[:, hidden]
@@ -86,10 +85,10 @@ def of_first_states(equations: Equations) -> tuple[Array, Array]:
     sigma: list[float] = []
     ends = np.cumsum([equations.filters.count(len(along.t)) for along in equations.motions])
     for along, end in zip(equations.motions if equations.simulated else (), ends.tolist(), strict=False):
-        response, hidden = equations.response(along), np.flatnonzero(equations.made_up & ~along.data.has_q)
+        response, hidden = equations.response(along), np.flatnonzero(equations.unmeasured)
         for i, one in zip(hidden.tolist(), np.eye(len(hidden)), strict=True):
             for size, y, v in ((along.delta[:, i], one, 0.0 * one), (along.ddelta[:, i], 0.0 * one, one)):
-                moved = equations.behind(along, hidden, response.free(y, v))
+                moved = equations.behind(along, response.free(y, v))
                 whole = np.zeros((int(ends[-1]), len(equations.kinds)))
                 whole[end - len(moved) : end] = moved
                 columns.append(whole.ravel())

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexdyn.arrays import Array, Flags, Indices
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.made_up import steepness
@@ -78,6 +78,11 @@ class EquationLayout:
     def replayed(self) -> Flags:
         """Joints whose motors are moved as recorded, and whose links are simulated behind them (n,)."""
         return hidden_links(self.true, self.data[0])
+
+    @property
+    def unmeasured(self) -> Flags:
+        """Those whose links have no encoder (n,)."""
+        return np.asarray(self.made_up & ~self.data[0].has_q)
 
     @lazy
     def softness(self) -> Array:
@@ -195,7 +200,7 @@ class EquationLayout:
         """Deflections (samples, n) that torques on the links (samples, n), or of one joint, cause behind all motors."""
         if link is None or not self.simulated:
             return None
-        joints = np.flatnonzero(self.made_up & ~along.data.has_q)
+        joints = np.flatnonzero(self.unmeasured)
         torques = np.zeros((len(along.t), self.true.n))
         torques[:, slice(None) if only is None else only] = link
         found = np.zeros_like(torques)
@@ -205,15 +210,15 @@ class EquationLayout:
     @kept
     def response(self, along: SmoothedMotion) -> LinkResponse:
         """How the unmeasured links respond to a torque."""
-        joints = np.flatnonzero(self.made_up & ~along.data.has_q)
+        joints = np.flatnonzero(self.unmeasured)
         M = (along.near or along).M[:, joints[:, None], joints]
         K = np.stack([steepness(self.true, j, along.delta[:, j]) for j in joints.tolist()], axis=1)
         return LinkResponse.of(np.ascontiguousarray(M), K, self.true.damping[joints], along.dt)
 
-    def behind(self, along: SmoothedMotion, joints: Indices, deflections: Array) -> Array:
-        """Rows (times, equations) of additional deflections of simulated links (samples, joints)."""
+    def behind(self, along: SmoothedMotion, deflections: Array) -> Array:
+        """Rows (times, equations) of additional deflections of the simulated links (samples, links)."""
         found = np.zeros((len(along.t), self.true.n))
-        found[:, joints] = deflections
+        found[:, self.unmeasured] = deflections
         rows = np.zeros((self.filters.count(len(along.t)), len(self.kinds)))
         lifted = self._lifted(along, None, None, None, found)
         for place, (j, kind) in enumerate(self.kinds):

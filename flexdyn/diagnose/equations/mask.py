@@ -25,7 +25,7 @@ def sign_mask(equations: Equations, noise: SampleNoise, *, alone: bool = False) 
     for along in equations.motions:
         at = equations.filters.instants(len(along.t))
         hidden = np.zeros((len(at), len(equations.kinds)), dtype=bool)
-        unseen = np.flatnonzero(equations.made_up & ~along.data.has_q).tolist()
+        unseen = np.flatnonzero(equations.unmeasured).tolist()
         for place, (j, kind) in enumerate(equations.kinds):
             if kind == SENSOR:
                 continue

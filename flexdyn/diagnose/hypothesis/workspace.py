@@ -97,9 +97,8 @@ def _through_pauses(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> 
     """
     following = Unweighted.of(dataclasses.replace(bare.equations, quasi_static=True), start.factors)
     moving = dataclasses.replace(bare.equations, simulated=True)
-    hidden = moving.made_up & ~moving.data[0].has_q
     size = moving.true.n * sum(len(each.t) for each in moving.data)
-    if not hidden.any() or moving.sensed or size > MOST_SIMULATED or vibration_rules(moving, noise):
+    if not moving.unmeasured.any() or moving.sensed or size > MOST_SIMULATED or vibration_rules(moving, noise):
         return following
     behind = Unweighted.of(moving, start.factors)
     try:

@@ -192,14 +192,7 @@ def _numbers_alone(bare: Unweighted, recorded: SampleNoise, mask: Flags, start: 
     """A first fit of the file's numbers."""
     at = bare.equations.of(start.model())
     noise = quieter(recorded, at, mask)
-    there, seen = start, rows_of(at, mask)
-    for _ in range(WEIGHTINGS if bare.equations.simulated else 1):
-        work = for_fit(bare, noise, mask, seen, there)
-        made = fit(there, work, steps=NUMBERS_STEPS)
-        there = made.hypothesis
-        if made.reduced > WELL_WEIGHTED * expected(work):
-            break
-    return there
+    return fit(start, for_fit(bare, noise, mask, rows_of(at, mask), start), steps=NUMBERS_STEPS).hypothesis
 
 
 def other_linearisations(compared: list[Places], places: Places) -> tuple[Places, ...]:
