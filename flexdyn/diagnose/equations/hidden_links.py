@@ -79,7 +79,7 @@ def noise_of_vibration(equations: Equations, theta: Array, taps: Array) -> Array
 def of_first_states(equations: Equations) -> tuple[Array, Array]:
     """Slopes of the rows by the first states of simulated links (rows, states), and standard deviations of these.
 
-    For each recording and joint a deflection and its rate, as large as they are on average.
+    For each recording and joint a deflection and its rate; the standard deviations are their root mean squares.
     """
     columns: list[Array] = []
     sigma: list[float] = []

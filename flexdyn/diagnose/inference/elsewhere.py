@@ -51,9 +51,8 @@ def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[fr
 def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) -> Structure:
     """The most likely by fits of what a linearisation stands at, what it prefers, and each candidate in addition.
 
-    Where links are simulated along the motion of their motors, they may vibrate, and the equations bend before a law
-    of the wrong size shows in their slopes. So where more than noise is left, candidates are tried though the slopes
-    promise nothing.
+    Simulated links may vibrate. The equations are then far from linear in the numbers, and their slopes may promise
+    nothing for the right law. So where more than noise is left, candidates are tried by fits.
 
     Args:
         space: of the linearisation.
