@@ -92,6 +92,7 @@ class Effect:
             unit.
         contains: names of effects that it becomes for some limit of its parameters; never proposed together with it.
         plainer: those of them that are the same law with fewer parameters: only what the further ones explain counts.
+        sum_of: names of effects that together, at one joint, are the same law as this one.
         natural_size: prior standard deviation of its size, if that does not depend on the drive's torque.
         prevalence: how many drives have it. It is weighed against something unknown that looks like it.
         of_velocity: friction or damping that the velocity alone decides.
@@ -123,6 +124,7 @@ class Effect:
     grids: ClassVar[Mapping[str, tuple[Scale, tuple[float, ...]]]] = {}
     contains: ClassVar[tuple[str, ...]] = ()
     plainer: ClassVar[tuple[str, ...]] = ()
+    sum_of: ClassVar[tuple[str, ...]] = ()
     natural_size: ClassVar[float] = math.inf
     small_size: ClassVar[float] = 1.0
     late_by: ClassVar[str] = ""

@@ -61,7 +61,8 @@ class AsymmetricFriction(DryFriction):
     """Dry friction with a level for each direction of motion, set-valued at rest.
 
     ``f = level_positive`` for u > 0, ``-level_negative`` for u < 0, any torque of ``[-level_negative,
-    level_positive]`` at rest. Equal levels are Coulomb friction.
+    level_positive]`` at rest. Equal levels are Coulomb friction. Different ones are the same as Coulomb friction of the
+    mean level and a torque offset of half of ``level_negative - level_positive``.
 
     Args:
         joint: its name.
@@ -75,6 +76,7 @@ class AsymmetricFriction(DryFriction):
     linear = ("level_positive", "level_negative")
     contains = ("coulomb_friction", "torque_offset")
     plainer = ("coulomb_friction",)
+    sum_of = contains
     prevalence = "often"
 
     level_positive: float = parameter("N m", lower=0.0)

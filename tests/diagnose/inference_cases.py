@@ -203,7 +203,11 @@ class Case:
     def log_prior(self, structure: Structure, noise: Discrepancy) -> float:
         """Of the places, the grid points and what a law costs that forgets the torque."""
         kinds = [each.kind for each in self.given]
-        chosen = [self.given[c].kind for c, _ in structure]
+        held = [self.given[c] for c, _ in structure]
+        plain = {each.joint for each in self.given if each.kind == "coulomb_friction"}
+        # Asymmetric friction is Coulomb friction too.
+        implied = [each for each in held if each.kind == "asymmetric_friction" and each.joint in plain]
+        chosen = [each.kind for each in held] + ["coulomb_friction"] * len(implied)
         total = 0.0
         for kind in set(chosen):
             n, odds = kinds.count(kind), UBIQUITOUS_BETA if kind in EXPECTED else PLACE_BETA

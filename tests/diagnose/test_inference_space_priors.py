@@ -67,14 +67,27 @@ def test_friction_of_every_motor_is_expected(kind: str) -> None:
 
 def test_friction_of_links_is_not_expected() -> None:
     """It is a kind of its own, as likely as not, and what the motors have is no reason for it."""
+    motors = math.exp(_places("viscous_friction", joints="a").space().log_prior(ALONE))
     space = _places("viscous_friction", joints="a").space()
     (motor, *_) = space.candidates
-    motors = math.exp(space.log_prior(ALONE))
     assert motor.proposal is not None
     motor.proposal = replace(motor.proposal, place={**motor.proposal.place, "side": "link"})
     space.places = Counter(each.group for each in space.candidates)
     assert motors == pytest.approx(20.0)
     assert math.exp(space.log_prior(ALONE)) == pytest.approx(1.0)
+
+
+def test_a_law_that_contains_expected_friction_is_expected_as_much() -> None:
+    """Asymmetric friction of a motor has the odds of Coulomb friction, times those of an effect that few drives have.
+
+    So it is as likely as Coulomb friction and an offset, which are the same model.
+    """
+    kinds = ("coulomb_friction", "asymmetric_friction", "torque_offset")
+    given = [Given(kind, "a", (column(_draw(seed=k)),)) for k, kind in enumerate(kinds)]
+    space = Case(tuple(given), column(_draw(seed=9)), np.zeros(ROWS)).space()
+    assert math.exp(space.log_prior(frozenset({(0, 0)}))) == pytest.approx(20.0)
+    assert math.exp(space.log_prior(frozenset({(1, 0)}))) == pytest.approx(1.0)
+    assert math.exp(space.log_prior(frozenset({(0, 0), (2, 0)}))) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("kind", ["stribeck_friction", "viscous_friction"])

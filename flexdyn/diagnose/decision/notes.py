@@ -17,7 +17,7 @@ from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.report.calibrated import estimate
 from flexdyn.diagnose.report.digits import estimate_text
 from flexdyn.diagnose.report.measures import Calibration, Statistics
-from flexdyn.diagnose.report.words import capital, effect_name, number_phrase, suspect_phrase
+from flexdyn.diagnose.report.words import capital, effect_name, joined, number_phrase, suspect_phrase
 
 UNINFORMED_SHARE = 0.5
 """The data do not determine a number whose posterior is wider than this share of its prior [1]."""
@@ -37,6 +37,7 @@ def notes(compared: Posterior, found: Corrected) -> tuple[str, ...]:
         *_of_channels(compared),
         *failed,
         *_of_torques(found),
+        *_of_sums(found),
         *_of_unknown(found),
         *_of_priors(found),
         *([] if compared.settled else [UNSETTLED]),
@@ -66,6 +67,16 @@ def _of_priors(found: Corrected) -> Iterator[str]:
             yield (
                 f"{capital(' or '.join(others))} would fit these data about as well as {first}. Their probabilities"
                 " differ by the prior alone: what is expected of drives. The experiment of this finding separates them."
+            )
+
+
+def _of_sums(found: Corrected) -> Iterator[str]:
+    """Names that are several other laws together: both models are the same."""
+    for candidate in (found.candidates[each.candidate] for each in found.names):
+        if parts := [effect_name(kind) for kind in candidate.law.sum_of]:
+            yield (
+                f"On {candidate.spot[0]}, {effect_name(candidate.kind)} is the same as {joined(parts)} together:"
+                " no motion tells them apart."
             )
 
 

@@ -48,6 +48,11 @@ class Candidate:
             return dict(self.proposal.place)
         return {} if self.number is None else {"of": self.number.of, "parameter": self.number.parameter}
 
+    @property
+    def spot(self) -> tuple[str | None, str | None]:
+        """Joint and side on which it acts."""
+        return self.place.get("joint"), self.place.get("side")
+
     @cached_property
     def law(self) -> type[Effect]:
         """What its class declares; that of any effect for a number of the file."""

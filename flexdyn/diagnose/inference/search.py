@@ -49,7 +49,8 @@ class Scan:
         cost = [self.space.costs(c, p) for c, p in self.owner]
         self.grid = np.array(cost) - np.log([candidates[c].choices for c in self.of])
         self.grid += [log_harmonic(candidates[c], p) for c, p in self.owner]
-        self.kind = np.array([self.kinds.index(candidates[c].group) for c in self.of])
+        groups = [self.space.groups[c] for c in self.of]
+        self.counts = np.array([[kind in each for kind in self.kinds] for each in groups], float)
 
     def _clashing(self) -> list[Indices]:
         """Candidates that may not stand beside each: itself, and laws that contain it or that it contains."""
@@ -71,13 +72,12 @@ class Scan:
         if self.size != self.space.matrix.used:
             self._tabled()
         gain = self.space.gram.additions(self.space.columns(structure), self.tables) + self.grid
-        counts = np.zeros(len(self.kinds))
-        for c, _ in structure:
-            counts[self.kinds.index(self.space.candidates[c].group)] += 1
+        there = [group for c, _ in structure for group in self.space.groups[c]]
+        counts = np.array([float(there.count(kind)) for kind in self.kinds])
         a, b = np.array([odds_of(kind) for kind in self.kinds]).T
         left = np.maximum(self.total - counts - 1.0, 0.0)
         price = betaln(counts + 1 + a, left + b) - betaln(counts + a, np.maximum(self.total - counts, 0.0) + b)
-        gain = gain + price[self.kind]
+        gain = gain + self.counts @ price
         for c, _ in structure:
             gain[np.isin(self.of, self.clash[c])] = -np.inf
         order = np.lexsort((np.arange(len(gain)), -gain))

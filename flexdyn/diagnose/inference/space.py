@@ -13,6 +13,7 @@ from flexdyn.diagnose.inference.candidate_matrix import CandidateMatrix
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.gram import NEGATIVE_SIGMAS, Estimate, Gram
 from flexdyn.diagnose.inference.library import Library
+from flexdyn.diagnose.inference.priors import EVERY_MOTOR
 from flexdyn.diagnose.inference.structure_prior import log_harmonic, log_places
 from flexdyn.diagnose.inference.torque_shares import contained, share_apart, torque_share
 from flexdyn.diagnose.lazy import lazy
@@ -156,6 +157,15 @@ class Space:
         return share * share_apart(self.gram, columns, mean, [self.candidates[other].columns[0]])
 
     @lazy
+    def groups(self) -> list[tuple[str, ...]]:
+        """Groups in which each candidate counts: its own, and what every motor has where it contains that."""
+        plain = {(each.kind, each.spot): each.group for each in self.candidates if each.group.startswith(EVERY_MOTOR)}
+        more = (
+            [plain[k] for kind in each.law.plainer if (k := (kind, each.spot)) in plain] for each in self.candidates
+        )
+        return [(each.group, *groups) for each, groups in zip(self.candidates, more, strict=True)]
+
+    @lazy
     def contained(self) -> dict[int, tuple[int, ...]]:
         """The plainer laws at the same place that each candidate contains."""
         return contained(self.candidates)
@@ -175,7 +185,7 @@ class Space:
 
     def log_places(self, structure: Structure) -> float:
         """Log prior of which laws are where: what is believed of drives beforehand, whatever the data say."""
-        return log_places(Counter(self.candidates[c].group for c, _ in structure), self.places)
+        return log_places(Counter(group for c, _ in structure for group in self.groups[c]), self.places)
 
     def log_odds(self, c: int) -> float:
         """Prior log odds that a candidate is there, and nothing else of its kind."""

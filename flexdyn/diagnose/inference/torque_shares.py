@@ -41,15 +41,9 @@ def share_apart(gram: Gram, columns: Indices, mean: Array, others: Sequence[Indi
 
 
 def contained(candidates: Sequence[Candidate]) -> dict[int, tuple[int, ...]]:
-    """The plainer laws at the same place that each candidate contains, by their places in the list."""
+    """The plainer laws of the catalogue at the same place that each candidate contains, by their places in the list."""
     found = {}
     for c, each in enumerate(candidates):
-        names = each.law.plainer
-        found[c] = tuple(k for k, other in enumerate(candidates) if other.kind in names and _same_place(each, other))
+        plain = [k for k, other in enumerate(candidates) if other.kind in each.law.plainer and other.spot == each.spot]
+        found[c] = tuple(k for k in plain if candidates[k].stands is None)
     return found
-
-
-def _same_place(one: Candidate, other: Candidate) -> bool:
-    """Whether two candidates act on the same joint and side, the other one as it is in the catalogue."""
-    places = [tuple(each.place.get(key) for key in ("joint", "side")) for each in (one, other)]
-    return places[0] == places[1] and other.stands is None

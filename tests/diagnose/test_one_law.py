@@ -1,0 +1,37 @@
+"""Coulomb friction and a torque offset of one motor are one law: asymmetric friction."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import flexdyn as fd
+from tests.diagnose.slides import model, named, recording
+
+UP, DOWN = 7.0, 3.0
+
+
+def test_the_one_law_is_named(tmp_path: Path) -> None:
+    """No motor is expected to have it, and every motor is expected to have Coulomb friction."""
+    diagnosis = fd.diagnose(model(tmp_path), fit=[recording(lambda v: UP if v > 0.0 else -DOWN)])
+    ((effect, values, probability),) = named(diagnosis)
+    assert effect == "asymmetric_friction"
+    assert values == pytest.approx({"level_positive": UP, "level_negative": DOWN}, rel=5e-3)
+    assert probability > 0.95
+    assert any("is the same as Coulomb friction and torque offset together" in note for note in diagnosis.notes)
+
+
+def test_the_plainer_law_is_named_where_both_directions_are_alike(tmp_path: Path) -> None:
+    """One level says it all."""
+    ((effect, values, _),) = named(fd.diagnose(model(tmp_path), fit=[recording(lambda v: UP if v > 0.0 else -UP)]))
+    assert effect == "coulomb_friction"
+    assert values == pytest.approx({"level": UP}, rel=5e-3)
+
+
+def test_an_offset_of_the_motor_alone_keeps_its_name(tmp_path: Path) -> None:
+    """It is no friction."""
+    ((effect, values, _),) = named(
+        fd.diagnose(model(tmp_path), fit=[recording(lambda v: 10.0 * v, lambda f: f + 2.0)])
+    )[1:]
+    assert (effect, values) == ("torque_offset", pytest.approx({"offset": 2.0}, rel=2e-2))
