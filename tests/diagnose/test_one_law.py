@@ -31,7 +31,7 @@ def test_the_plainer_law_is_named_where_both_directions_are_alike(tmp_path: Path
 
 def test_an_offset_of_the_motor_alone_keeps_its_name(tmp_path: Path) -> None:
     """It is no friction."""
-    ((effect, values, _),) = named(
-        fd.diagnose(model(tmp_path), fit=[recording(lambda v: 10.0 * v, lambda f: f + 2.0)])
-    )[1:]
-    assert (effect, values) == ("torque_offset", pytest.approx({"offset": 2.0}, rel=2e-2))
+    findings = named(fd.diagnose(model(tmp_path), fit=[recording(lambda v: 10.0 * v, lambda f: f + 2.0)]))
+    values = {effect: numbers for effect, numbers, _ in findings}
+    assert values.keys() == {"viscous_friction", "torque_offset"}
+    assert values["torque_offset"] == pytest.approx({"offset": 2.0}, rel=2e-2)

@@ -135,14 +135,14 @@ class Linearisation:
         return cls(Space(library, work.whiten(at.residual), seen), near, noise, mask)
 
     def fitted(self, there: Hypothesis, steps: int) -> Fit:
-        """The fit of a hypothesis, with weights by what the last fit left until it does not outgrow them."""
-        priors = beliefs(self.space.library, there.effects)
-        for _ in range(WEIGHTINGS):
-            work = for_fit(self.near, self.noise, self.mask, self.space.seen, there)
+        """The fit of a hypothesis, with weights by what the last fit left until they suit it."""
+        priors, near = beliefs(self.space.library, there.effects), self.space.library.start
+        for k in range(WEIGHTINGS):
+            work = for_fit(self.near, self.noise, self.mask, self.space.seen, there, near if k == 0 else None)
             work = dataclasses.replace(work, beliefs=priors)
             made = _natural(fit(there, work, steps=steps), self.space, work)
             there = made.hypothesis
-            if made.reduced > WELL_WEIGHTED * expected(work):
+            if WELL_WEIGHTED < made.reduced / expected(work) < 1.0 / WELL_WEIGHTED:
                 break
         return made
 

@@ -60,15 +60,31 @@ def expected(work: Workspace) -> float:
 
 
 def for_fit(
-    bare: Unweighted, noise: SampleNoise, mask: Flags, seen: Seen, there: Hypothesis
-) -> Workspace:  # fmt: skip
+    bare: Unweighted,
+    noise: SampleNoise,
+    mask: Flags,
+    seen: Seen,
+    there: Hypothesis,
+    near: Hypothesis | None = None,
+) -> Workspace:
     """Weights for the fit of a hypothesis: the sensors' noise and the model error that it leaves.
 
     The error of the first filter at corners of laws is left out: it would hide errors of a law that is still wrong.
+
+    Args:
+        bare: equations of the model as given.
+        noise: of the channels.
+        mask: rows that are not used (rows,).
+        seen: rows that say something.
+        there: the hypothesis.
+        near: where it was linearised. An equation in which that one leaves less has its model error: the linearisation
+            promised too much, and a model error as large as the first values leave would call them good.
     """
     at = bare.equations.of(there.model())
     plain = weighed(bare, noise, mask, at=at)
     error = error_of(plain, at.residual, seen)
+    if near is not None:
+        error = error.less(error_of(plain, bare.equations.of(near.model()).residual, seen))
     made = tempered(plain, error)
     if not at.made_up.any():
         return made
