@@ -33,6 +33,9 @@ PROMISED_SHARE, PROMISED_DROP = 0.005, 10.0
 the log likelihood of a name would change by five or more.
 """
 
+CONTINUATIONS = 6
+"""Times at most that the fit of the corrected model is continued from where its steps ended."""
+
 
 @dataclass(frozen=True, eq=False)
 class Corrected:
@@ -138,7 +141,7 @@ def corrected(
     # The linear equations may have promised too much; what is left out displaces the others.
     while kept != (kept := tuple(each for each in kept if stays(space, each.candidate, made, least[each.candidate]))):
         made = _fitted(made, [space.candidates[each.candidate] for each in kept])
-    made = made if converged(made) or made.block else fit(made.hypothesis, made.space)
+    made = _continued(made)
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = leaves_noise(made, plain)
     made = made if explained else within(made)
@@ -198,6 +201,17 @@ def _fitted(found: Fit, kept: list[Candidate]) -> Fit:
     if effects == here.effects and freed == here.freed:
         return found
     return fit(dataclasses.replace(here, effects=effects, freed=freed), found.space)
+
+
+def _continued(made: Fit) -> Fit:
+    """The fit, continued as long as it has not converged and still gains: a corner of a law shortens many steps."""
+    for _ in range(CONTINUATIONS):
+        if made.block or converged(made):
+            break
+        before, made = made.reached, fit(made.hypothesis, made.space)
+        if made.reached > before - PROMISED_DROP:
+            break
+    return made
 
 
 def leaves_noise(made: Fit, plain: Workspace) -> bool:
