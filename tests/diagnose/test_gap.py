@@ -12,6 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 import flexdyn as fd
+from flexdyn.diagnose.decision.gaps import Shots
+from flexdyn.diagnose.decision.verdict import is_noise
 from flexdyn.diagnose.shooting import matched as matching
 from flexdyn.diagnose.shooting import shooter as shooting
 from flexdyn.diagnose.shooting.gap import STRAY_SHARE, Shot, shoot
@@ -210,7 +212,7 @@ def _by(shooter: shooting.Shooter, x0: Array, solver: fd.solvers.Solver) -> Arra
 
 
 def test_a_few_stray_windows_do_not_outvote_the_rest() -> None:
-    """A tenth of the windows may be off by any amount; one more counts."""
+    """A tenth of the windows may be off by any amount; one more counts, and then the verdict is no longer noise."""
     levels, model = Levels(), two_link(ARM)
     twice = [two_link_recording(levels, seed, ("q", "theta")) for seed in (0, 1)]
     shot = shoot(model, Windows.of(model, twice, levels.noise()))
@@ -219,11 +221,14 @@ def test_a_few_stray_windows_do_not_outvote_the_rest() -> None:
     assert spared > 0
     before = shot.left
 
-    def with_stray(some: int) -> float:
+    def with_stray(some: int) -> Shot:
         far = shot.residual.copy()
         far[:some] += 100.0 * shot.std[:some]
-        return dataclasses.replace(shot, residual=far).left
+        return dataclasses.replace(shot, residual=far)
 
+    few, more = with_stray(spared), with_stray(spared + 1)
     assert before == pytest.approx(1.0, abs=0.25)
-    assert with_stray(spared) < 1.5
-    assert with_stray(spared + 1) > 10.0
+    assert few.left < 1.5
+    assert more.left > 10.0
+    assert is_noise(Shots(shot, shot, few), ())
+    assert not is_noise(Shots(shot, shot, more), ())

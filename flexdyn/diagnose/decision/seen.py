@@ -13,6 +13,7 @@ from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.report.suspects import ESTABLISHED
+from flexdyn.effects import Effect
 
 
 def stays(space: Space, c: int, made: Fit, smallest: float) -> bool:
@@ -56,7 +57,22 @@ def is_seen(candidate: Candidate, made: Fit, log_odds: float) -> bool:
     known = set(made.hypothesis.unknowns())
     sizes = {} if effect is None else {(effect, k): getattr(effect, k) - x for k, x in effect.neutral.items()}
     changes = {key: change for key, change in sizes.items() if key in known}
-    return not changes or made.deviation(changes) >= least
+    if not changes or made.deviation(changes) >= least:
+        return True
+    return not made.block and _missed_by(made, effect) >= least * made.widened(changes)
+
+
+def _missed_by(made: Fit, effect: Effect | None) -> float:
+    """Root of the rise of chi^2 when a fit to the equations does without an effect [1].
+
+    For a law that is linear in its numbers it is the deviation. The stiffness and the damping of an end stop that is
+    hardly touched may be many times larger, but not nothing: their standard deviations say nothing of a missing stop
+    (Hauck and Donner, J. Am. Stat. Assoc. 72, 1977).
+    """
+    here = made.hypothesis
+    kept = possible(here, [each for each in here.effects if each is not effect])
+    without = fit(dataclasses.replace(here, effects=kept), made.space)
+    return math.sqrt(max(without.reached - made.reached, 0.0))
 
 
 def least_deviation(log_odds: float) -> float:

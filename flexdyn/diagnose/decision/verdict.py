@@ -15,6 +15,7 @@ from flexdyn.diagnose.equations.layout import LINK, TRANSMISSION
 from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.report.measures import Left, ResidualPlace
 from flexdyn.diagnose.report.result import Verdict
+from flexdyn.diagnose.shooting.gap import NOISE_GAP
 
 LEFT_TORQUE_SHARE = 0.01
 """Share of a joint's torque from which something is left [1]: no model of a robot is right to less."""
@@ -24,14 +25,15 @@ QUANTITY = re.compile(r"abs\((\w+(?: of \w+)?)\)|\b(q|v|omega|t)\b(?= [<>b])|(af
 def is_noise(shots: Shots | None, left: Sequence[Left]) -> bool:
     """Whether what is left on the test data is noise.
 
-    The gap of the median window is that of a perfect model, and no joint's equations leave more than 1 % of its torque.
-    The median is used because a single window with wrong sticking has little meaning.
+    The gap of all windows but the tenth that is farthest off is that of a perfect model, and no joint's equations leave
+    more than 1 % of its torque. Noise decides when a joint sticks, so a few windows of a right model may be far off; if
+    there are more, something is missing, such as an end stop that is seldom touched.
 
     Args:
         shots: windows; None: the data are too short for one, and the equations alone decide.
         left: what the equations of the corrected model leave, joints with 1 % of their torque or more.
     """
-    return not left and (shots is None or shots.after.is_noise(shots.gap.floor))
+    return not left and (shots is None or shots.after.left <= (NOISE_GAP * max(shots.gap.floor, 1.0)) ** 2)
 
 
 def verdict(*, named: bool, noise: bool, converged: bool) -> Verdict:

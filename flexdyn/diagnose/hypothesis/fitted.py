@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from flexdyn.arrays import Array
+from flexdyn.arrays import Array, Indices
 from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
@@ -85,16 +85,30 @@ class Fit:
         Args:
             changes: differences x of some unknowns of the effects from these values.
         """
-        first, keys = len(self.hypothesis.factors), self.hypothesis.unknowns()
-        places = np.array([first + keys.index(key) for key in changes])
+        keys = self.hypothesis.unknowns()
+        places = self._places(changes)
         x = np.array([change / self.scales[keys.index(key)] for key, change in changes.items()])
         if not np.isfinite(x).all():
             return math.inf  # a stiffness differs from that of a rigid joint
-        variance = np.diag(self.regression.covariance)[places]
-        places, x, variance = (each[variance > 0.0] for each in (places, x, variance))  # no row sees the others
-        wider = self._spread[places] / np.sqrt(variance)
+        there = np.diag(self.regression.covariance)[places] > 0.0  # no row sees the others
+        places, x = places[there], x[there]
+        wider = self._widened(places)
         C = self.regression.covariance[np.ix_(places, places)] * np.outer(wider, wider)
         return float(np.sqrt(max(x @ np.linalg.lstsq(C, x, rcond=1e-12)[0], 0.0)))
+
+    def widened(self, unknowns: Collection[tuple[Effect, str]]) -> float:
+        """How many times correlated rows widen the standard deviations of some unknowns of the effects, at most [1]."""
+        return float(self._widened(self._places(unknowns)).max(initial=1.0))
+
+    def _places(self, unknowns: Collection[tuple[Effect, str]]) -> Indices:
+        """Columns of some unknowns of the effects."""
+        first, keys = len(self.hypothesis.factors), self.hypothesis.unknowns()
+        return np.array([first + keys.index(key) for key in unknowns], np.intp)
+
+    def _widened(self, places: Indices) -> Array:
+        return np.asarray(
+            self._spread[places] / np.sqrt(np.maximum(np.diag(self.regression.covariance)[places], 1e-300))
+        )
 
     def factor_std(self) -> dict[FileNumber, float]:
         """Standard deviations of the file's numbers' factors."""
