@@ -43,7 +43,6 @@ MORE = [
     ("motor_only_wide", 106001, 3, "a hardening spring of an arm that moves one joint after the other"),
     ("motor_only", 108001, 2, "asymmetric friction, which is Coulomb friction and an offset"),
     ("motor_only", 112001, 0, "an end stop that is seldom touched"),
-    ("link_only", 110001, 2, "an end stop, to which a fit needs many steps"),
     ("outside", 104001, 0, "a cable between axes, which looks like a rotor inertia that nothing determines"),
 ]
 """Cases that CI leaves out: `pytest -m slow` runs them."""
