@@ -77,7 +77,6 @@ class AsymmetricFriction(DryFriction):
     contains = ("coulomb_friction", "torque_offset")
     plainer = ("coulomb_friction",)
     sum_of = contains
-    prevalence = "often"
 
     level_positive: float = parameter("N m", lower=0.0)
     level_negative: float = parameter("N m", lower=0.0)

@@ -1,18 +1,21 @@
-"""Two named laws that are one: Coulomb friction and a torque offset of one motor are asymmetric friction.
+"""Laws that contain one another: which of them is told.
 
-Both models are the same, so no data separate them. The one law is the plainer answer.
+Coulomb friction and a torque offset of one motor are asymmetric friction. Both models are the same, so no data separate
+them, and the one law is the plainer answer. Where what a law has beyond a plainer one may be an imitation of something
+unknown, the plainer one is told, and the law is its rival.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.inference.passes import LAST_STEPS, Posterior
 from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
+from flexdyn.diagnose.report.suspects import ESTABLISHED
 
 
 def in_one_law(found: Posterior, named: Collection[int]) -> Posterior:
@@ -41,10 +44,37 @@ def in_one_law(found: Posterior, named: Collection[int]) -> Posterior:
         for parts, whole in joined:
             structure = _merged(structure, parts, whole)
         known[structure] = max(value, known.get(structure, value))
-    made = found.fitted
-    if best != found.best:
-        made = fit(hypothesis_of(space, best, whole=True), made.space, steps=LAST_STEPS)
-    return dataclasses.replace(found, best=best, fitted=made, known=known)
+    return dataclasses.replace(_of(found, best), known=known)
+
+
+def by_plainer_laws(found: Posterior, genuine: Mapping[int, float]) -> Posterior:
+    """The posterior whose best structure has the plainer law in the place of one that may be an imitation.
+
+    Sets of both remain compared, so that the name of the plainer law is an "A or B". A law that is several others
+    together is replaced by all of them: the model stays the same.
+
+    Args:
+        found: the posterior over structures.
+        genuine: by candidate, probability that it is no imitation of something unknown [1]; none: it is certain.
+    """
+    space, best = found.space, found.best
+    parts = {whole: some for some, whole in _sums(space)}
+    plain = {(each.kind, each.spot): c for c, each in enumerate(space.candidates)}
+    for c, p in sorted(best):
+        law, spot = space.candidates[c].law, space.candidates[c].spot
+        contained = parts.get(c) or {plain[kind, spot] for kind in law.plainer[:1] if (kind, spot) in plain}
+        if contained and genuine.get(c, 1.0) < ESTABLISHED:
+            best = best - {(c, p)} | {(k, 0) for k in contained}
+    space.value(best)
+    return _of(found, best)
+
+
+def _of(found: Posterior, best: Structure) -> Posterior:
+    """The posterior with another best structure, which is fitted."""
+    if best == found.best:
+        return found
+    made = fit(hypothesis_of(found.space, best, whole=True), found.fitted.space, steps=LAST_STEPS)
+    return dataclasses.replace(found, best=best, fitted=made)
 
 
 def _sums(space: Space) -> Iterator[tuple[frozenset[int], int]]:

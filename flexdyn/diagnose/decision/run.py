@@ -120,7 +120,7 @@ def _diagnosed(
 ) -> Diagnosis:
     from flexdyn.diagnose.decision.conclusion import concluded
     from flexdyn.diagnose.decision.corrected import corrected
-    from flexdyn.diagnose.decision.one_law import in_one_law
+    from flexdyn.diagnose.decision.one_law import by_plainer_laws, in_one_law
     from flexdyn.diagnose.decision.refitted import share_in_forces
     from flexdyn.diagnose.inference.passes import posterior
 
@@ -140,9 +140,9 @@ def _diagnosed(
     plain = weighed(bare, compared.noise, compared.fitted.space.whiten.mask)
     by_fits = functools.partial(share_in_forces, compared) if bare.equations.replayed.any() else None
     found = corrected(compared, plain, by_fits)
-    joined = in_one_law(compared, {each.candidate for each in found.names})
-    if joined is not compared:
-        compared, found = joined, corrected(joined, plain, by_fits)
+    told = in_one_law(by_plainer_laws(compared, found.genuine), {each.candidate for each in found.names})
+    if told is not compared:
+        compared, found = told, corrected(told, plain, by_fits)
     know(found=found, noise=compared.noise)
     answer = concluded(plain, start, compared, found, (fitted, test))
     return _finished(answer, notes, began, given)

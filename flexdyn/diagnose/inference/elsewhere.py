@@ -94,10 +94,14 @@ def _in_space(space: Space, candidates: frozenset[int]) -> Structure:
 
 def _log_posterior(space: Space, structure: Structure, made: Fit) -> float:
     """Of a fitted structure, not normalised."""
-    centre, sigma = priors(made.hypothesis, made.space)
     own = space.gram.estimate(space.columns(structure))
-    volume = space.log_volume(structure, own) + space.log_large(structure, own)
-    return space.noise.log_likelihood(_squares(made)) - 0.5 * float(np.sum((centre / sigma) ** 2)) + volume
+    return log_density(space, made) + space.log_volume(structure, own) + space.log_large(structure, own)
+
+
+def log_density(space: Space, made: Fit) -> float:
+    """Log likelihood of what a fit leaves, under the model error of a linearisation, and of its numbers' priors."""
+    centre, sigma = priors(made.hypothesis, made.space)
+    return space.noise.log_likelihood(_squares(made)) - 0.5 * float(np.sum((centre / sigma) ** 2))
 
 
 def _squares(made: Fit) -> Array:

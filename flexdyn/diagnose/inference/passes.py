@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexdyn.arrays import Flags
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.estimate import fit
@@ -21,7 +21,7 @@ from flexdyn.diagnose.inference.autoregression import runs_of
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.elsewhere import best_by_fits, odds_by_fits
+from flexdyn.diagnose.inference.elsewhere import best_by_fits, log_density, odds_by_fits
 from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.memory import check_memory
@@ -136,9 +136,32 @@ class Linearisation:
 
     def fitted(self, there: Hypothesis, steps: int) -> Fit:
         """The fit of a hypothesis, with weights by what the last fit left until they suit it."""
-        priors, near = beliefs(self.space.library, there.effects), self.space.library.start
+        return self._weighted(there, steps)
+
+    def best_fitted(self, there: Hypothesis, steps: int) -> Fit:
+        """The same for the last time, whose weights decide what is seen.
+
+        The first values may leave more than the linearisation's own point does: it promised too much. Then a model
+        error as large as theirs would call them good, and one as small as that of the point may hold a curved law in
+        the wrong place. So both are tried.
+        """
+        made, near = self.fitted(there, steps), self.space.library.start
+        if (self._leaves(there) <= self._leaves(near)).all():
+            return made
+        other = self._weighted(there, steps, near)
+        return max(made, other, key=lambda each: log_density(self.space, each))
+
+    def _leaves(self, there: Hypothesis) -> Array:
+        """Sums of the squared rows of every equation (equations,)."""
+        seen, at = self.space.seen, self.near.equations.of(there.model())
+        return np.asarray((np.where(seen.valid, at.residual.reshape(seen.valid.shape), 0.0) ** 2).sum(axis=0))
+
+    def _weighted(self, there: Hypothesis, steps: int, near: Hypothesis | None = None) -> Fit:
+        """The same, the first weights by what another hypothesis leaves; None: by this one."""
+        priors = beliefs(self.space.library, there.effects)
         for k in range(WEIGHTINGS):
-            work = for_fit(self.near, self.noise, self.mask, self.space.seen, there, near if k == 0 else None)
+            least = near if k == 0 else None
+            work = for_fit(self.near, self.noise, self.mask, self.space.seen, there, least)
             work = dataclasses.replace(work, beliefs=priors)
             made = _natural(fit(there, work, steps=steps), self.space, work)
             there = made.hypothesis
@@ -184,7 +207,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         space.forget()
     space.known = {}
     best = among_rivals(space, explore(space, [best]))
-    fitted = near.fitted(hypothesis_of(space, best, whole=True), LAST_STEPS)
+    fitted = near.best_fitted(hypothesis_of(space, best, whole=True), LAST_STEPS)
     return Posterior(space, best, fitted, near.noise, settled, space.known, earlier=earlier)
 
 
