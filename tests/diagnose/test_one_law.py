@@ -7,6 +7,11 @@ from pathlib import Path
 import pytest
 
 import flexdyn as fd
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.decision.masses import Masses
+from flexdyn.diagnose.decision.one_law import by_plainer_laws, in_one_law
+from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.inference.passes import Posterior, posterior
 from tests.diagnose.slides import model, named, recording
 
 UP, DOWN = 7.0, 3.0
@@ -35,3 +40,25 @@ def test_an_offset_of_the_motor_alone_keeps_its_name(tmp_path: Path) -> None:
     values = {effect: numbers for effect, numbers, _ in findings}
     assert values.keys() == {"viscous_friction", "torque_offset"}
     assert values["torque_offset"] == pytest.approx({"offset": 2.0}, rel=2e-2)
+
+
+def test_what_may_be_an_imitation_is_told_as_the_plainer_law(tmp_path: Path) -> None:
+    """The model stays the same: the offset has no name, and Coulomb friction is "A or B"."""
+    given = model(tmp_path)
+    found = posterior(*prepared(given, (measured(given, recording(lambda v: UP if v > 0.0 else -DOWN)),)))
+    parts = by_plainer_laws(found, dict.fromkeys(range(len(found.space.candidates)), 0.5))
+    assert _kinds(parts) == {"coulomb_friction", "torque_offset"}
+    assert by_plainer_laws(parts, {}) is parts
+    whole = in_one_law(parts, [c for c, _ in parts.best])
+    assert _kinds(whole) == {"asymmetric_friction"}
+    assert in_one_law(parts, []) is parts
+    assert whole.fitted.reached == pytest.approx(parts.fitted.reached, abs=0.5)
+    told, plain = Masses.of(whole.known), Masses.of(parts.known)
+    (asymmetric,), (coulomb, _) = (sorted(c for c, _ in each.best) for each in (whole, parts))
+    assert told.of_any([asymmetric]) > 0.95
+    assert plain.of_any([coulomb]) < 0.95
+
+
+def _kinds(found: Posterior) -> set[str]:
+    """Of the best structure's effects."""
+    return {found.space.candidates[c].kind for c, _ in found.best}
