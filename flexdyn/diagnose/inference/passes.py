@@ -134,9 +134,23 @@ class Linearisation:
         library = Library(along, work.whiten, here, *whole, tuple(listed), noise, mask, first)
         return cls(Space(library, work.whiten(at.residual), seen), near, noise, mask)
 
-    def fitted(self, there: Hypothesis, steps: int) -> Fit:
-        """The fit of a hypothesis, with weights by what the last fit left until they suit it."""
-        return self._weighted(there, steps)
+    def fitted(self, there: Hypothesis, steps: int, near: Hypothesis | None = None) -> Fit:
+        """The fit of a hypothesis, with weights by what the last fit left until they suit it.
+
+        Args:
+            there: first values.
+            steps: largest number of steps of each fit.
+            near: the first weights are by what this one leaves, where it is less; None: by what the first values leave.
+        """
+        priors = beliefs(self.space.library, there.effects)
+        for k in range(WEIGHTINGS):
+            work = for_fit(self.near, self.noise, self.mask, self.space.seen, there, near if k == 0 else None)
+            work = dataclasses.replace(work, beliefs=priors)
+            made = _natural(fit(there, work, steps=steps), self.space, work)
+            there = made.hypothesis
+            if WELL_WEIGHTED < made.reduced / expected(work) < 1.0 / WELL_WEIGHTED:
+                break
+        return made
 
     def best_fitted(self, there: Hypothesis, steps: int) -> Fit:
         """The same for the last time, whose weights decide what is seen.
@@ -148,26 +162,13 @@ class Linearisation:
         made, near = self.fitted(there, steps), self.space.library.start
         if (self._leaves(there) <= self._leaves(near)).all():
             return made
-        other = self._weighted(there, steps, near)
+        other = self.fitted(there, steps, near)
         return max(made, other, key=lambda each: log_density(self.space, each))
 
     def _leaves(self, there: Hypothesis) -> Array:
         """Sums of the squared rows of every equation (equations,)."""
         seen, at = self.space.seen, self.near.equations.of(there.model())
         return np.asarray((np.where(seen.valid, at.residual.reshape(seen.valid.shape), 0.0) ** 2).sum(axis=0))
-
-    def _weighted(self, there: Hypothesis, steps: int, near: Hypothesis | None = None) -> Fit:
-        """The same, the first weights by what another hypothesis leaves; None: by this one."""
-        priors = beliefs(self.space.library, there.effects)
-        for k in range(WEIGHTINGS):
-            least = near if k == 0 else None
-            work = for_fit(self.near, self.noise, self.mask, self.space.seen, there, least)
-            work = dataclasses.replace(work, beliefs=priors)
-            made = _natural(fit(there, work, steps=steps), self.space, work)
-            there = made.hypothesis
-            if WELL_WEIGHTED < made.reduced / expected(work) < 1.0 / WELL_WEIGHTED:
-                break
-        return made
 
 
 def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Posterior:
