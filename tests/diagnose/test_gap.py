@@ -12,8 +12,6 @@ import pytest
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose.decision.gaps import Shots
-from flexdyn.diagnose.decision.verdict import is_noise
 from flexdyn.diagnose.shooting import matched as matching
 from flexdyn.diagnose.shooting import shooter as shooting
 from flexdyn.diagnose.shooting.gap import STRAY_SHARE, Shot, shoot
@@ -230,5 +228,6 @@ def test_a_few_stray_windows_do_not_outvote_the_rest() -> None:
     assert before == pytest.approx(1.0, abs=0.25)
     assert few.left < 1.5
     assert more.left > 10.0
-    assert is_noise(Shots(shot, shot, few), ())
-    assert not is_noise(Shots(shot, shot, more), ())
+    assert few.is_mostly_noise()
+    assert not more.is_mostly_noise()
+    assert more.is_noise()  # the median window says nothing of it

@@ -15,7 +15,6 @@ from flexdyn.diagnose.equations.layout import LINK, TRANSMISSION
 from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.report.measures import Left, ResidualPlace
 from flexdyn.diagnose.report.result import Verdict
-from flexdyn.diagnose.shooting.gap import NOISE_GAP
 
 LEFT_TORQUE_SHARE = 0.01
 """Share of a joint's torque from which something is left [1]: no model of a robot is right to less."""
@@ -33,7 +32,7 @@ def is_noise(shots: Shots | None, left: Sequence[Left]) -> bool:
         shots: windows; None: the data are too short for one, and the equations alone decide.
         left: what the equations of the corrected model leave, joints with 1 % of their torque or more.
     """
-    return not left and (shots is None or shots.after.left <= (NOISE_GAP * max(shots.gap.floor, 1.0)) ** 2)
+    return not left and (shots is None or shots.after.is_mostly_noise(shots.gap.floor))
 
 
 def verdict(*, named: bool, noise: bool, converged: bool) -> Verdict:

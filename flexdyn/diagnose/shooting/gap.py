@@ -19,8 +19,8 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 STRAY_SHARE = 0.1
 """Share of the windows that may be far off because noise decides when a joint sticks [1]."""
 NOISE_GAP = 1.3
-"""If the median window's gap is at most this multiple of the floor, it is noise [1]: a window of one joint has about
-twenty independent errors, whose root mean square has a standard deviation of 16 %."""
+"""A gap of at most this multiple of the floor is noise [1]: a window of one joint has about twenty independent errors,
+whose root mean square has a standard deviation of 16 %."""
 FRAGILE_RATIO = 3.0
 """A window is fragile if drawn noise has a larger effect than this multiple of the linear response [1]."""
 
@@ -134,6 +134,14 @@ class Shot:
         """
         each = np.sort(self.by_window**2)
         return float(each[: max(1, math.ceil((1.0 - STRAY_SHARE) * len(each)))].mean())
+
+    def is_mostly_noise(self, floor: float = 1.0) -> bool:
+        """Whether all windows but those that are farthest off are noise together.
+
+        Args:
+            floor: the gap of a perfect model, if it is more than 1.
+        """
+        return self.left <= (NOISE_GAP * max(floor, 1.0)) ** 2
 
     @property
     def _rows(self) -> Array:
