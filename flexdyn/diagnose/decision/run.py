@@ -141,8 +141,10 @@ def _diagnosed(
     by_fits = functools.partial(share_in_forces, compared) if bare.equations.replayed.any() else None
     found = corrected(compared, plain, by_fits)
     told = in_one_law(by_plainer_laws(compared, found.genuine), {each.candidate for each in found.names})
-    if told is not compared:
-        compared, found = told, corrected(told, plain, by_fits)
+    again = found if told is compared else corrected(told, plain, by_fits)
+    new = {c for c, _ in told.best} - {c for c, _ in compared.best}
+    if not new or new & {each.candidate for each in again.names}:  # only if what was put in place has a name
+        compared, found = told, again
     know(found=found, noise=compared.noise)
     answer = concluded(plain, start, compared, found, (fitted, test))
     return _finished(answer, notes, began, given)
