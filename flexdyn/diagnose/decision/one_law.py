@@ -65,7 +65,6 @@ def by_plainer_laws(found: Posterior, genuine: Mapping[int, float]) -> Posterior
         contained = parts.get(c) or {plain[kind, spot] for kind in law.plainer[:1] if (kind, spot) in plain}
         if contained and genuine.get(c, 1.0) < ESTABLISHED:
             best = best - {(c, p)} | {(k, 0) for k in contained}
-    space.value(best)
     return _of(found, best)
 
 
@@ -73,6 +72,7 @@ def _of(found: Posterior, best: Structure) -> Posterior:
     """The posterior with another best structure, which is fitted."""
     if best == found.best:
         return found
+    found.space.value(best)  # it is one of those that are compared
     made = fit(hypothesis_of(found.space, best, whole=True), found.fitted.space, steps=LAST_STEPS)
     return dataclasses.replace(found, best=best, fitted=made)
 

@@ -42,8 +42,8 @@ MODEL_ERROR_ROUNDS = 25
 STRONG_GAIN_SHARE = 0.1
 """Share of the first gain of a pass from which another addition is made before the equations are linearised anew."""
 WEIGHTINGS, WELL_WEIGHTED = 4, 0.7
-"""Largest number of fits of one hypothesis, each weighted by the last residual; they end above this ratio of residuals.
-"""
+"""Largest number of fits of one hypothesis, each weighted by the last residual; they end where the new residual is
+between this ratio of the expected one and its inverse."""
 NUMBERS_STEPS, PASS_STEPS, LAST_STEPS = 3, 4, 8
 """Gauss-Newton steps at most: of the file's numbers alone, between two linearisations, and in the end."""
 Places = frozenset[tuple[object, ...]]
