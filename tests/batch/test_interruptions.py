@@ -49,12 +49,16 @@ flexdyn.run_study(sys.argv[1], sys.argv[2])
 """
 
 
-def killed_or_done(server: subprocess.Popen[bytes], patience: float) -> bool:
-    """Have the study done by a new process, and kill it with kill -9 when patience is at its end.
+def killed_or_done(server: subprocess.Popen[bytes], out: Path, stored: int, delay: float) -> bool:
+    """Have the study done by a new process, and kill it with kill -9 some time after its store has some pieces.
+
+    How far the study is decides, as its pace is the machine's.
 
     Args:
         server: forks a process for every line that it reads, and writes its number and how it ended.
-        patience: [s].
+        out: the store.
+        stored: pieces that it must have.
+        delay: after these are there [s].
 
     Returns:
         Whether it was killed.
@@ -63,7 +67,9 @@ def killed_or_done(server: subprocess.Popen[bytes], patience: float) -> bool:
     assert server.stdout is not None
     server.stdin.write(b"\n")
     child = int(server.stdout.readline())
-    if not select.select([server.stdout], [], [], patience)[0]:
+    while not (done := select.select([server.stdout], [], [], 1e-3)[0]) and len(pieces(out)) < stored:
+        pass
+    if not done and not select.select([server.stdout], [], [], delay)[0]:
         os.kill(child, signal.SIGKILL)
     code = int(server.stdout.readline())
     assert code in (0, -signal.SIGKILL)
@@ -81,14 +87,15 @@ def test_kill_at_any_moment(tmp_path: Path) -> None:
     fd.run_study(path, tmp_path / "whole.zarr", workers=2)
     span = time.monotonic() - begin
     whole, out = tree(tmp_path / "whole.zarr"), tmp_path / "out.zarr"
+    total = len(pieces(tmp_path / "whole.zarr"))
     kills = halves = 0
     with subprocess.Popen(
         [sys.executable, "-c", SERVER, str(path), str(out)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0
     ) as server:
-        for moment in np.random.default_rng(7).uniform(0.0, 0.25 * span, 1000):
-            if killed_or_done(server, moment):
+        for progress, delay in np.random.default_rng(7).uniform(size=(1000, 2)):
+            if killed_or_done(server, out, int(progress * total), 0.1 * span * delay):
                 kills += 1
-                halves += out.exists() and 0 < len(pieces(out)) < len(pieces(tmp_path / "whole.zarr"))
+                halves += 0 < len(pieces(out)) < total
             else:
                 assert tree(out) == whole
                 shutil.rmtree(out)

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.mask import sign_mask
-from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.estimate import SHORTENED_STEP
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.inference.catalogue import everything
+from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.elsewhere import odds_by_fits
+from flexdyn.diagnose.inference.linearisation import Linearisation
 from flexdyn.diagnose.inference.passes import posterior
-from flexdyn.diagnose.inference.weights import for_fit, rows_of
-from flexdyn.diagnose.inference.whitening import Tempered
+from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.effects import CoulombFriction
 from tests.diagnose.test_simulated import FORCE, LEVEL, LEVELS, MASS, RATE
 from tests.diagnose.truths import slider_model, slider_recording, sliding
@@ -33,20 +36,27 @@ def test_a_fit_tells_what_a_linearisation_only_promised(tmp_path: Path) -> None:
     assert same == pytest.approx(1.0, abs=0.05)
 
 
-def test_first_values_that_are_bad_are_not_called_good(tmp_path: Path) -> None:
-    """A fit from them has the model error of the linearisation; first values that leave less have their own."""
+def test_a_fit_begins_at_a_share_of_a_step_that_is_too_long(tmp_path: Path) -> None:
+    """The linear equations are made to promise six times the friction that is there: a fit must not begin there."""
     model = slider_model(tmp_path)
     x, _ = sliding(FORCE, 1.0 / RATE, MASS, LEVEL)
     bare, noise, start = prepared(model, (measured(model, slider_recording(x, FORCE, RATE, LEVELS, 0)),))
-    mask = sign_mask(bare.equations, noise)
-    seen = rows_of(bare.equations, mask)
+    near = Linearisation.of(bare, noise, sign_mask(bare.equations, noise), start, everything(bare.equations), None)
+    space, prior = near.space, near.space.matrix.prior
+    each = enumerate(space.candidates)
+    friction = next(c for c, one in each if one.kind == "coulomb_friction" and one.place["side"] == "motor")
+    (column,) = space.candidates[friction].columns[0]
+    prior.mean[column], prior.precision[column] = 6.0 * LEVEL, 1e12
+    one = np.ones(len(space.seen.count))
+    space.under(Discrepancy(one, one, space.seen.count))
 
-    def scale(level: float, near: Hypothesis | None = None) -> float:
-        effects = (CoulombFriction("lift", side="motor", level=level),) if level else ()
-        there = dataclasses.replace(start, effects=effects)
-        error = for_fit(bare, noise, mask, seen, there, near).whiten
-        assert isinstance(error, Tempered)
-        return float(error.error.scale[0])
+    def level(made: Fit) -> float:
+        (effect,) = made.hypothesis.effects
+        assert isinstance(effect, CoulombFriction)
+        return effect.level
 
-    assert scale(20.0 * LEVEL, start) == scale(0.0) < scale(20.0 * LEVEL)
-    assert scale(LEVEL, start) == scale(LEVEL) < scale(0.0)
+    structure = frozenset({(friction, 0)})
+    promised = near.fitted(hypothesis_of(space, structure), 1)
+    assert level(promised) == pytest.approx(6.0 * LEVEL, rel=1e-3)
+    begun = near.best_fitted(structure, 1)
+    assert level(begun) == pytest.approx(6.0 * LEVEL * SHORTENED_STEP**2, rel=1e-3)  # of all shares the nearest

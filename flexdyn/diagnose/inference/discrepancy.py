@@ -14,7 +14,6 @@ low rather than too high.
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,12 +70,6 @@ class Discrepancy:
             table = np.where(seen.valid, table - table.sum(axis=0) / seen.count, 0.0)
         times = [_times(table[:, k], seen.valid[:, k], seen.lengths) for k in range(many)]
         return cls(scale, np.array(times), seen.count)
-
-    def less(self, other: Discrepancy) -> Discrepancy:
-        """Of every equation the smaller one of two."""
-        mine = self.scale <= other.scale
-        scale, times = np.where(mine, self.scale, other.scale), np.where(mine, self.times, other.times)
-        return dataclasses.replace(self, scale=scale, times=times)
 
     @property
     def weights(self) -> Array:

@@ -8,8 +8,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from flexdyn.arrays import Array
+from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import priors
 from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.inference.search import OCCAM_WINDOW, Scan
@@ -60,7 +62,7 @@ def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) ->
         base: the fit of `stands`, under whose weights all are fitted.
         stands: the structure at which it is.
     """
-    count, squares = space.noise.count, _squares(base)
+    count, squares = space.noise.count, _squares(base.equations, base.space)
     lacks = (squares > (1.0 + NOISE_LEVEL_ERROR) * count + CHANCE_ROOM * np.sqrt(2.0 * count)).any()
     added = [point for gain, point in Scan(space).additions(stands) if lacks and gain > -OCCAM_WINDOW]
     tried = [best, *(stands | {(c, p)} for c, p in added if not waits(space, c))]
@@ -100,14 +102,19 @@ def _log_posterior(space: Space, structure: Structure, made: Fit) -> float:
 
 def log_density(space: Space, made: Fit) -> float:
     """Log likelihood of what a fit leaves, under the model error of a linearisation, and of its numbers' priors."""
-    centre, sigma = priors(made.hypothesis, made.space)
-    return space.noise.log_likelihood(_squares(made)) - 0.5 * float(np.sum((centre / sigma) ** 2))
+    return log_density_at(space, made.hypothesis, made.equations, made.space)
 
 
-def _squares(made: Fit) -> Array:
-    """Sums of the squared rows of each equation that a fit leaves, in units of the sensors' noise (equations,)."""
-    weights, many = made.space.at(made.equations), len(made.equations.kinds)
-    squares = (weights.white(made.equations.residual).reshape(-1, many) ** 2).sum(axis=0)
+def log_density_at(space: Space, there: Hypothesis, at: Equations, work: Workspace) -> float:
+    """The same of a hypothesis that has these equations, with the weights of a workspace."""
+    centre, sigma = priors(there, work)
+    return space.noise.log_likelihood(_squares(at, work)) - 0.5 * float(np.sum((centre / sigma) ** 2))
+
+
+def _squares(at: Equations, work: Workspace) -> Array:
+    """Sums of the squared rows of each equation, in units of the sensors' noise (equations,)."""
+    weights, many = work.at(at), len(at.kinds)
+    squares = (weights.white(at.residual).reshape(-1, many) ** 2).sum(axis=0)
     if isinstance(weights.whiten, Tempered):
         squares = squares * weights.whiten.error.scale**2 * weights.whiten.error.times
     return np.asarray(squares)

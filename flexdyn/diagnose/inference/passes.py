@@ -8,30 +8,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexdyn.arrays import Array, Flags
+from flexdyn.arrays import Flags
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.linear import linearised
-from flexdyn.diagnose.hypothesis.proposal import Proposal
-from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
-from flexdyn.diagnose.inference.autoregression import runs_of
+from flexdyn.diagnose.hypothesis.workspace import Unweighted
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.elsewhere import best_by_fits, log_density, odds_by_fits
-from flexdyn.diagnose.inference.harmonics import with_harmonics
+from flexdyn.diagnose.inference.elsewhere import best_by_fits, odds_by_fits
 from flexdyn.diagnose.inference.library import Library
-from flexdyn.diagnose.inference.memory import check_memory
+from flexdyn.diagnose.inference.linearisation import Linearisation
 from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import Space, Structure
-from flexdyn.diagnose.inference.standing_effects import beliefs
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, waits
-from flexdyn.diagnose.inference.structure_prior import WHOLE_NUMBER_LOG_ODDS
-from flexdyn.diagnose.inference.weights import along_expected, expected, filter_error, for_fit, quieter, rows_of
+from flexdyn.diagnose.inference.weights import for_fit, quieter, rows_of
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
 
@@ -41,9 +35,6 @@ MODEL_ERROR_ROUNDS = 25
 """Times that model error and structure are estimated in turn, at most."""
 STRONG_GAIN_SHARE = 0.1
 """Share of the first gain of a pass from which another addition is made before the equations are linearised anew."""
-WEIGHTINGS, WELL_WEIGHTED = 4, 0.7
-"""Largest number of fits of one hypothesis, each weighted by the last residual; they end where the new residual is
-between this ratio of the expected one and its inverse."""
 NUMBERS_STEPS, PASS_STEPS, LAST_STEPS = 3, 4, 8
 """Gauss-Newton steps at most: of the file's numbers alone, between two linearisations, and in the end."""
 Places = frozenset[tuple[object, ...]]
@@ -83,94 +74,6 @@ class Posterior:
         return tuple(zip(sets, odds_by_fits(self.space, self.best, self.fitted, sets), strict=True)) if sets else ()
 
 
-@dataclass(frozen=True, eq=False)
-class Linearisation:
-    """What structures are compared on.
-
-    Attributes:
-        space: candidates and their matrix there.
-        near: the equations, with slopes along the motion that is expected there.
-        noise: of the channels.
-        mask: rows that are not used (rows,).
-    """
-
-    space: Space
-    near: Unweighted
-    noise: SampleNoise
-    mask: Flags
-
-    @classmethod
-    def of(
-        cls,
-        bare: Unweighted,
-        recorded: SampleNoise,
-        mask: Flags,
-        here: Hypothesis,
-        own: list[Proposal],
-        first: Library | None,
-    ) -> Linearisation:
-        """The equations near a hypothesis.
-
-        Args:
-            bare: the equations of the model as given.
-            recorded: noise of the channels, as the records show it.
-            mask: rows that are not used (rows,).
-            here: the hypothesis.
-            own: proposals of effects, without the harmonics of this residual.
-            first: the library at the model as given; None: this is it.
-        """
-        at = bare.equations.of(here.model())
-        noise = quieter(recorded, at, mask)
-        seen = rows_of(at, mask)
-        work = weighed(bare, noise, mask, filter_error(bare.equations, here), at)
-        near, work = along_expected(bare, work, here, at, seen)
-        made = linearised(here, work, at=at)
-        slopes = (made.free or made.regression).X[:, : len(here.factors)]
-        listed = with_harmonics(at, own, runs_of(mask, list(seen.lengths), len(at.kinds)))
-        if first is None:
-            check_memory(listed, mask.size, sum(float(along.t[-1] - along.t[0]) for along in at.motions))
-        along = at if near.along is None else near.along.of(here.model())
-        whole = slopes, work.nuisance, work.nuisance_sigma
-        library = Library(along, work.whiten, here, *whole, tuple(listed), noise, mask, first)
-        return cls(Space(library, work.whiten(at.residual), seen), near, noise, mask)
-
-    def fitted(self, there: Hypothesis, steps: int, near: Hypothesis | None = None) -> Fit:
-        """The fit of a hypothesis, with weights by what the last fit left until they suit it.
-
-        Args:
-            there: first values.
-            steps: largest number of steps of each fit.
-            near: the first weights are by what this one leaves, where it is less; None: by what the first values leave.
-        """
-        priors = beliefs(self.space.library, there.effects)
-        for k in range(WEIGHTINGS):
-            work = for_fit(self.near, self.noise, self.mask, self.space.seen, there, near if k == 0 else None)
-            work = dataclasses.replace(work, beliefs=priors)
-            made = _natural(fit(there, work, steps=steps), self.space, work)
-            there = made.hypothesis
-            if WELL_WEIGHTED < made.reduced / expected(work) < 1.0 / WELL_WEIGHTED:
-                break
-        return made
-
-    def best_fitted(self, there: Hypothesis, steps: int) -> Fit:
-        """The same for the last time, whose weights decide what is seen.
-
-        The first values may leave more than the linearisation's own point does: it promised too much. Then a model
-        error as large as theirs would call them good, and one as small as that of the point may hold a curved law in
-        the wrong place. So both are tried.
-        """
-        made, near = self.fitted(there, steps), self.space.library.start
-        if (self._leaves(there) <= self._leaves(near)).all():
-            return made
-        other = self.fitted(there, steps, near)
-        return max(made, other, key=lambda each: log_density(self.space, each))
-
-    def _leaves(self, there: Hypothesis) -> Array:
-        """Sums of the squared rows of every equation (equations,)."""
-        seen, at = self.space.seen, self.near.equations.of(there.model())
-        return np.asarray((np.where(seen.valid, at.residual.reshape(seen.valid.shape), 0.0) ** 2).sum(axis=0))
-
-
 def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Posterior:
     """Compare structures on the equations.
 
@@ -204,11 +107,11 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         if settled or k == MOST_PASSES - 1:
             break
         strong = best if bare.equations.simulated else _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1))
-        here = near.fitted(hypothesis_of(space, strong), PASS_STEPS).hypothesis
+        here = near.best_fitted(strong, PASS_STEPS).hypothesis
         space.forget()
     space.known = {}
     best = among_rivals(space, explore(space, [best]))
-    fitted = near.best_fitted(hypothesis_of(space, best, whole=True), LAST_STEPS)
+    fitted = near.best_fitted(best, LAST_STEPS, whole=True)
     return Posterior(space, best, fitted, near.noise, settled, space.known, earlier=earlier)
 
 
@@ -235,25 +138,6 @@ def _in_tolerance(fitted: Hypothesis, start: Hypothesis) -> Hypothesis:
     effect itself are wrong by products of these changes.
     """
     return fitted if fitted.tolerated().factors == fitted.factors else start
-
-
-def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
-    """The fit with harmonics at whole numbers, of cycles or of motor turns, that it does not rule out."""
-    std, changes = fitted.std(), {}
-    for effect in fitted.hypothesis.effects:
-        spread = std.get((effect, "harmonic"))
-        if spread is None:
-            continue
-        owner = next(each for each in space.candidates if each.proposal is not None and each.proposal.is_of(effect))
-        now = float(getattr(effect, "harmonic"))  # noqa: B009 - not every effect has one
-        for value in owner.natural(now):
-            if value != now and (value - now) ** 2 < 2.0 * WHOLE_NUMBER_LOG_ODDS * spread**2:
-                changes[effect] = effect.replace(harmonic=value)
-                break
-    if not changes:
-        return fitted
-    effects = tuple(changes.get(each, each) for each in fitted.hypothesis.effects)
-    return fit(dataclasses.replace(fitted.hypothesis, effects=effects), work, steps=2)
 
 
 def _compared(space: Space, stands: Structure) -> Structure:

@@ -22,16 +22,22 @@ def waits(space: Space, c: int) -> bool:
     return candidate.kind == JointElasticity.name
 
 
-def hypothesis_of(space: Space, structure: Structure, *, whole: bool = False) -> Hypothesis:
+def hypothesis_of(space: Space, structure: Structure, *, whole: bool = False, share: float = 1.0) -> Hypothesis:
     """A structure with its coefficients as a hypothesis; what makes joints elastic only in the whole one.
 
     What the linearisation is at, is returned as it is: a fit that starts there finds its own steps.
+
+    Args:
+        space: of the linearisation.
+        structure: in it.
+        whole: whether joints become elastic.
+        share: of the step from the linearisation to the coefficients [1].
     """
     here = space.library.start
     if structure == standing(space) and not any(waits(space, c) for c, _ in structure):
         return here
     estimate = space.gram.whole(space.columns(structure))
-    value = dict(zip(estimate.columns.tolist(), estimate.mean.tolist(), strict=True))
+    value = dict(zip(estimate.columns.tolist(), (share * estimate.mean).tolist(), strict=True))
     names = list(here.factors)
     factors = {n: here.factors[n] + value[k] for k, n in enumerate(names)}
     freed: set[FileNumber] = set()

@@ -65,7 +65,6 @@ def for_fit(
     mask: Flags,
     seen: Seen,
     there: Hypothesis,
-    near: Hypothesis | None = None,
 ) -> Workspace:
     """Weights for the fit of a hypothesis: the sensors' noise and the model error that it leaves.
 
@@ -77,14 +76,10 @@ def for_fit(
         mask: rows that are not used (rows,).
         seen: rows that say something.
         there: the hypothesis.
-        near: where it was linearised. An equation in which that one leaves less has its model error: the linearisation
-            promised too much, and a model error as large as the first values leave would call them good.
     """
     at = bare.equations.of(there.model())
     plain = weighed(bare, noise, mask, at=at)
     error = error_of(plain, at.residual, seen)
-    if near is not None:
-        error = error.less(error_of(plain, bare.equations.of(near.model()).residual, seen))
     made = tempered(plain, error)
     if not at.made_up.any():
         return made

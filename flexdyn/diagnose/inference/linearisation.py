@@ -1,0 +1,169 @@
+"""What structures are compared on: candidates and weights near a hypothesis; and the fits that begin there."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+from flexdyn.arrays import Flags
+from flexdyn.diagnose.equations.covariance import SampleNoise
+from flexdyn.diagnose.hypothesis.estimate import SHORTENED_STEP, fit
+from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.linear import linearised
+from flexdyn.diagnose.hypothesis.proposal import Proposal
+from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
+from flexdyn.diagnose.inference.autoregression import runs_of
+from flexdyn.diagnose.inference.elsewhere import log_density, log_density_at
+from flexdyn.diagnose.inference.harmonics import with_harmonics
+from flexdyn.diagnose.inference.library import Library
+from flexdyn.diagnose.inference.memory import check_memory
+from flexdyn.diagnose.inference.search import OCCAM_WINDOW
+from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.diagnose.inference.standing_effects import beliefs
+from flexdyn.diagnose.inference.structure_model import hypothesis_of
+from flexdyn.diagnose.inference.structure_prior import WHOLE_NUMBER_LOG_ODDS
+from flexdyn.diagnose.inference.weights import along_expected, expected, filter_error, for_fit, quieter, rows_of
+from flexdyn.diagnose.lazy import lazy
+from flexdyn.errors import SimulationError
+
+WEIGHTINGS, WELL_WEIGHTED = 4, 0.7
+"""Largest number of fits of one hypothesis, each weighted by the last residual; they end where the new residual is
+between this ratio of the expected one and its inverse."""
+SHORTENINGS = 4
+"""Shares of a linear step that a fit may begin with, at most; each is `SHORTENED_STEP` of the one before."""
+
+
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """What structures are compared on.
+
+    Attributes:
+        space: candidates and their matrix there.
+        near: the equations, with slopes along the motion that is expected there.
+        noise: of the channels.
+        mask: rows that are not used (rows,).
+    """
+
+    space: Space
+    near: Unweighted
+    noise: SampleNoise
+    mask: Flags
+
+    @classmethod
+    def of(
+        cls,
+        bare: Unweighted,
+        recorded: SampleNoise,
+        mask: Flags,
+        here: Hypothesis,
+        own: list[Proposal],
+        first: Library | None,
+    ) -> Linearisation:
+        """The equations near a hypothesis.
+
+        Args:
+            bare: the equations of the model as given.
+            recorded: noise of the channels, as the records show it.
+            mask: rows that are not used (rows,).
+            here: the hypothesis.
+            own: proposals of effects, without the harmonics of this residual.
+            first: the library at the model as given; None: this is it.
+        """
+        at = bare.equations.of(here.model())
+        noise = quieter(recorded, at, mask)
+        seen = rows_of(at, mask)
+        work = weighed(bare, noise, mask, filter_error(bare.equations, here), at)
+        near, work = along_expected(bare, work, here, at, seen)
+        made = linearised(here, work, at=at)
+        slopes = (made.free or made.regression).X[:, : len(here.factors)]
+        listed = with_harmonics(at, own, runs_of(mask, list(seen.lengths), len(at.kinds)))
+        if first is None:
+            check_memory(listed, mask.size, sum(float(along.t[-1] - along.t[0]) for along in at.motions))
+        along = at if near.along is None else near.along.of(here.model())
+        whole = slopes, work.nuisance, work.nuisance_sigma
+        library = Library(along, work.whiten, here, *whole, tuple(listed), noise, mask, first)
+        return cls(Space(library, work.whiten(at.residual), seen), near, noise, mask)
+
+    def best_fitted(self, structure: Structure, steps: int, *, whole: bool = False) -> Fit:
+        """The fit of a structure, from its coefficients in the linear equations.
+
+        Where the equations are far from linear, these promise too much, and a fit from there ends less likely than the
+        linearisation's own point. It is then begun anew from a share of the step. The more likely fit counts.
+
+        Args:
+            structure: of the space.
+            steps: largest number of steps of each fit.
+            whole: see `hypothesis_of`.
+        """
+        space, here = self.space, self.space.library.start
+        made = self.fitted(hypothesis_of(space, structure, whole=whole), steps)
+        if log_density(space, made) > self._log_density(here) - OCCAM_WINDOW:
+            return made
+        other = self.fitted(self._shortened(structure, whole=whole), steps)
+        return max(made, other, key=lambda each: log_density(space, each))
+
+    def _shortened(self, structure: Structure, *, whole: bool) -> Hypothesis:
+        """First values of a structure: shares of its step are tried as long as each is more likely than the last."""
+
+        def begun(share: float) -> tuple[float, Hypothesis]:
+            there = hypothesis_of(self.space, structure, whole=whole, share=share)
+            return self._log_density(there), there
+
+        best = begun(SHORTENED_STEP)
+        for k in range(2, SHORTENINGS + 1):
+            tried = begun(SHORTENED_STEP**k)
+            if tried[0] <= best[0]:
+                break
+            best = tried
+        return best[1]
+
+    def _log_density(self, there: Hypothesis) -> float:
+        """Of a hypothesis as it is (see `log_density`); -inf where its equations are not finite."""
+        work = dataclasses.replace(self.plain, beliefs=beliefs(self.space.library, there.effects))
+        try:
+            return log_density_at(self.space, there, self.near.equations.of(there.model()), work)
+        except SimulationError:
+            return -math.inf
+
+    @lazy
+    def plain(self) -> Workspace:
+        """Weights by the sensors' noise alone."""
+        return weighed(self.near, self.noise, self.mask)
+
+    def fitted(self, there: Hypothesis, steps: int) -> Fit:
+        """The fit of a hypothesis, with weights by what the last fit left until they suit it.
+
+        Args:
+            there: first values.
+            steps: largest number of steps of each fit.
+        """
+        priors = beliefs(self.space.library, there.effects)
+        for _ in range(WEIGHTINGS):
+            work = for_fit(self.near, self.noise, self.mask, self.space.seen, there)
+            work = dataclasses.replace(work, beliefs=priors)
+            made = _natural(fit(there, work, steps=steps), self.space, work)
+            there = made.hypothesis
+            if WELL_WEIGHTED < made.reduced / expected(work) < 1.0 / WELL_WEIGHTED:
+                break
+        return made
+
+
+def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
+    """The fit with harmonics at whole numbers, of cycles or of motor turns, that it does not rule out."""
+    std, changes = fitted.std(), {}
+    for effect in fitted.hypothesis.effects:
+        spread = std.get((effect, "harmonic"))
+        if spread is None:
+            continue
+        owner = next(each for each in space.candidates if each.proposal is not None and each.proposal.is_of(effect))
+        now = float(getattr(effect, "harmonic"))  # noqa: B009 - not every effect has one
+        for value in owner.natural(now):
+            if value != now and (value - now) ** 2 < 2.0 * WHOLE_NUMBER_LOG_ODDS * spread**2:
+                changes[effect] = effect.replace(harmonic=value)
+                break
+    if not changes:
+        return fitted
+    effects = tuple(changes.get(each, each) for each in fitted.hypothesis.effects)
+    return fit(dataclasses.replace(fitted.hypothesis, effects=effects), work, steps=2)
