@@ -91,16 +91,17 @@ def _rows(
 
     Slopes by the numbers may be given.
     """
-    y = space.whiten(at.residual)
 
     def slope(unknown: tuple[tuple[Effect, str], float]) -> Array:
         (effect, name), scale = unknown
         with SILENT():
-            return space.whiten(scale * columns.of_parameter(along, effect, name, 0.1 * scale))
+            return scale * columns.of_parameter(along, effect, name, 0.1 * scale)
 
-    own = abreast(slope, zip(hypothesis.unknowns(), scales, strict=True))
+    # One whitening of many columns takes as long as that of one.
+    raw = np.array([at.residual, *abreast(slope, zip(hypothesis.unknowns(), scales, strict=True))])
+    white = space.whiten(raw.T)
     numbers = _slopes_of_numbers(hypothesis, along, space) if known is None else known
-    return y, np.column_stack([numbers, *own, space.nuisance])
+    return white[:, 0], np.column_stack([numbers, white[:, 1:], space.nuisance])
 
 
 def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, ...]) -> tuple[int, ...]:

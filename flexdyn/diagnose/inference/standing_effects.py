@@ -87,7 +87,7 @@ def standing_columns(
     without = maker.equations.of(dataclasses.replace(maker.start, effects=others).model())
     change = maker.equations.residual - without.residual
     share, least = maker.sizes.of(effect, change)
-    parts, size, mean, std, names = [maker.whiten(change)], [share], [1.0], [FITTED_SIZE_WIDTH], []
+    parts, size, mean, std, names = [change], [share], [1.0], [FITTED_SIZE_WIDTH], []
     for each, name in maker.start.unknowns():
         if each is not effect or (
             name == "harmonic" and getattr(effect, name) in natural(getattr(effect, name), maker.gear_ratio(proposal))
@@ -99,12 +99,12 @@ def standing_columns(
         if not np.isfinite(largest) or largest == 0.0:
             continue
         off, spread = belief(effect, name)
-        parts.append(maker.whiten(raw))
+        parts.append(raw)
         size.append(largest)
         std.append(spread / scale)
         mean.append(off / scale if np.isfinite(spread) else 0.0)
         names.append(name)
     most = max((d * s for d, s in zip(std[1:], size[1:], strict=True) if np.isfinite(d)), default=np.inf)
     std = [min(d, most / s if np.isinf(d) else d, UNKNOWN_WIDTH) for d, s in zip(std, size, strict=True)]
-    white, cost = np.stack(parts, axis=1), maker.sizes.log_jacobian(effect)
+    white, cost = maker.whiten(np.stack(parts).T), maker.sizes.log_jacobian(effect)
     return Column.of(white, maker.many, np.array(std), np.array(mean), np.array(size), cost, least), names
