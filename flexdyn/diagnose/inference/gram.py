@@ -123,26 +123,6 @@ class Gram:
             self._blocks[key] = self.between(columns, others)
         return self._blocks[key]
 
-    def _among(self, columns: Indices) -> Array:
-        """Products of a structure's columns with each other, the base eliminated (columns, columns)."""
-        found, new = np.empty((len(columns), len(columns))), []
-        for i, c in enumerate(columns.tolist()):
-            row = self._rows.get(c)
-            if row is None:
-                new.append(i)
-            else:
-                found[i] = found[:, i] = row[columns]
-        if not new:
-            return found
-        added = columns[new]
-        if self.products.of_one_block(added):
-            low = np.minimum(added[:, None], added)
-            own = self.own[low, np.maximum(added[:, None], added) - low]
-        else:
-            own = self.between(added, added)
-        found[np.ix_(new, new)] = own
-        return found
-
     def grow(self) -> None:
         """More columns are there now."""
         first, self.used = self.used, self.products.count
@@ -151,7 +131,7 @@ class Gram:
     def estimate(self, columns: Indices) -> Estimate:
         """The posterior of one structure, of its own columns alone."""
         lam, mu = self.prior.precision[columns], self.prior.mean[columns]
-        factor = lower_factor(self._among(columns) + np.diag(lam))
+        factor = lower_factor(self.between(columns, columns) + np.diag(lam))
         mean = cho_solve((factor, True), self.b[columns] + lam * mu)
         covariance = cho_solve((factor, True), np.eye(len(columns)))
         volume = self.log_volume + 0.5 * float(np.log(lam).sum()) - float(np.log(np.diag(factor)).sum())

@@ -51,7 +51,6 @@ class Products:
         self._rows = np.zeros((many, SPARE_ROWS, capacity))
         self._full = 0
         self._held = np.zeros((many, 0, 0))  # products of the columns that every structure has
-        self._beside: dict[int, Array] = {}  # of a kept column with those (equations, held)
 
     def explain(self, rows: Array) -> None:
         """What the columns are to explain (rows, equations), before any is put."""
@@ -127,21 +126,6 @@ class Products:
         if count != self._held.shape[1]:
             self.take_up(first)
             self._held = self.of(first, first)
-            self._beside.clear()
-
-    def _with_held(self, columns: Indices) -> Array:
-        """Products of columns with those that every structure has (columns, equations, held)."""
-        held = self._row[self._source[: self._held.shape[1]]]
-        kept = self._source[columns].tolist()
-        for c in kept:
-            if c not in self._beside:
-                self._beside[c] = self._rows[:, held, c]
-        return np.array([self._beside[c] for c in kept]).reshape(len(kept), *self._held.shape[:2])
-
-    def of_one_block(self, columns: Indices) -> bool:
-        """Whether columns were put together: then their products with each other are there."""
-        blocks = self._block[self._source[columns]]
-        return bool((blocks == blocks[0]).all())
 
     def prepare(self, columns: Indices) -> None:
         """Make sure that the products of all pairs of these columns are there."""
@@ -179,10 +163,9 @@ class Products:
         """Sums of the squares of y - X beta (equations,)."""
         held = self._held.shape[1]
         held = held if np.array_equal(columns[:held], np.arange(held)) else 0
-        others, one, other = columns[held:], values[:held], values[held:]
-        crossed = _form(self.of(others, others), other, other)
-        if held:
-            crossed += _form(self._held, one, one) + 2.0 * other @ (self._with_held(others) @ one)
+        own, others, one, other = columns[:held], columns[held:], values[:held], values[held:]
+        crossed = _form(self._held, one, one) if held else 0.0
+        crossed += 2.0 * _form(self.of(own, others), one, other) + _form(self.of(others, others), other, other)
         return np.asarray(np.maximum(self.yy - 2.0 * self.b[:, columns] @ values + crossed, 0.0))
 
     def sum(self, columns: Indices, values: Array) -> Array:
