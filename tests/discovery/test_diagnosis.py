@@ -13,6 +13,8 @@ from tests.discovery.shortened import diagnosed
 
 CASES = [
     ("single", 5, 6, "presliding friction on a motor"),
+    ("pair", 5, 22, "Stribeck friction on a link and a torque limit on the other motor"),
+    ("motor_only", 102001, 0, "hysteresis of a spring"),
     ("link_only", 4, 12, "damping of a transmission"),
     ("rigid", 5, 7, "viscous friction"),
     ("none", 4, 0, "nothing"),
@@ -21,8 +23,6 @@ CASES = [
 
 
 MORE = [
-    ("motor_only", 102001, 0, "hysteresis of a spring"),
-    ("pair", 5, 22, "Stribeck friction on a link and a torque limit on the other motor"),
     ("single", 3, 3, "Coulomb friction on a link"),
     ("single", 3, 5, "Stribeck friction on a motor"),
     ("single", 5, 26, "a hardening spring"),

@@ -73,7 +73,6 @@ class Gram:
         self.b, self.V = np.zeros(capacity), np.zeros((base, capacity))
         self.own = np.zeros((capacity, 0))
         self._rows: dict[int, Array] = {}
-        self._blocks: dict[tuple[bytes, bytes], Array] = {}
         first = products.weighted(weights, np.arange(base))
         lam, mu = prior.precision[:base], prior.mean[:base]
         self.factor = lower_factor(first[:, :base] + np.diag(lam))
@@ -115,13 +114,6 @@ class Gram:
         """Products of columns with others, the base eliminated (columns, others)."""
         whole = np.tensordot(self.weights, self.products.of(columns, others), 1)
         return np.asarray(whole - self.V[:, columns].T @ self.V[:, others])
-
-    def kept_between(self, columns: Indices, others: Indices) -> Array:
-        """The same, kept for the next time: of columns that are asked for with many structures."""
-        key = columns.tobytes(), others.tobytes()
-        if key not in self._blocks:
-            self._blocks[key] = self.between(columns, others)
-        return self._blocks[key]
 
     def grow(self) -> None:
         """More columns are there now."""

@@ -33,7 +33,7 @@ def share_apart(gram: Gram, columns: Indices, mean: Array, others: Sequence[Indi
         mean: their coefficients (k,).
         others: that might do it as well.
     """
-    between, there = gram.kept_between, np.concatenate(others)
+    between, there = gram.between, np.concatenate(others)
     whole = float(mean @ between(columns, columns) @ mean)
     cross = between(there, columns) @ mean
     explained = float(cross @ np.linalg.lstsq(between(there, there), cross, rcond=1e-9)[0])
