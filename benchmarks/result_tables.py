@@ -78,6 +78,7 @@ _FAMILIES = {
     "single": "one effect",
     "hard": "one effect of 0.3 of the size, ten times the noise, masses wrong too",
     "pair": "two effects",
+    "triple": "three effects",
     "motor_only": "one effect, encoders on the motors alone",
     "link_only": "one effect, encoders on the links alone",
     "rigid": "one effect on an arm of rigid joints, or a joint that is elastic after all",

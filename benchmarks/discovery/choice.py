@@ -6,7 +6,10 @@ import numpy as np
 from hidden import Site, sites
 from sizes import FRICTION as LAWS
 
-FAMILIES = ("single", "hard", "pair", "motor_only", "link_only", "rigid", "none", "outside")
+FAMILIES = ("single", "hard", "pair", "motor_only", "link_only", "rigid", "none", "outside", "triple")
+"""Their order is part of the seeds: new ones stand at the end."""
+TOGETHER = {"pair": 2, "triple": 3}
+"""Effects that are hidden at once, where there is more than one."""
 
 
 def possible(family: str) -> list[Site]:
@@ -30,12 +33,12 @@ def chosen(family: str, seed: int, number: int) -> list[Site]:
     rounds, place = divmod(number, len(known))
     for _ in range(rounds + 1):
         permutation = order.permutation(len(known))
-    first = known[permutation[place]]
-    if family != "pair":
-        return [first]
+    found = [known[permutation[place]]]
     rng = np.random.default_rng([seed, 2, number])
-    others = [site for site in known if _together(first, site)]
-    return [first, others[rng.integers(len(others))]]
+    while len(found) < TOGETHER.get(family, 1):
+        others = [site for site in known if all(_together(one, site) for one in found)]
+        found.append(others[rng.integers(len(others))])
+    return found
 
 
 def _together(one: Site, two: Site) -> bool:

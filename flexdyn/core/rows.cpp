@@ -17,13 +17,18 @@ namespace flexdyn {
 
 namespace {
 
-// Eight numbers that are added and multiplied at once, in as many registers as that takes; loads need no alignment.
-constexpr std::size_t EIGHT = 8;
-typedef double Eight __attribute__((vector_size(64)));
-typedef double Loose __attribute__((vector_size(64), aligned(8), may_alias));
-typedef float LooseSingles __attribute__((vector_size(32), aligned(4), may_alias));
+// Four numbers that are added and multiplied at once; loads need no alignment. That is the width of an AVX2 register:
+// GCC keeps wider vectors on the stack there, which takes sixteen times as long.
+constexpr std::size_t FOUR = 4;
+typedef double Four __attribute__((vector_size(32)));
+typedef double Loose __attribute__((vector_size(32), aligned(8), may_alias));
+typedef float LooseSingles __attribute__((vector_size(16), aligned(4), may_alias));
 
-constexpr std::size_t LANES = 2 * EIGHT;  // columns at once: their window stays in the first cache
+constexpr std::size_t LANES = 16, PARTS = LANES / FOUR;  // columns at once: their window stays in the first cache
+
+inline __attribute__((always_inline)) double sum(const Four& four) {
+  return (four[0] + four[2]) + (four[1] + four[3]);
+}
 
 // Forward substitution of LANES columns. The last `width` white rows stand twice in `window`, so that those before any
 // row are contiguous. Even and odd places of the band are summed apart: two chains of additions instead of one.
@@ -34,27 +39,25 @@ inline __attribute__((always_inline)) void substitute(const BandFactor& band, co
   for (std::size_t i = 0; i < band.rows; ++i) {
     double row[LANES];
     for (std::size_t c = 0; c < LANES; ++c) row[c] = raw[c][i];
-    Eight one = *reinterpret_cast<const Loose*>(row), two = *reinterpret_cast<const Loose*>(row + EIGHT);
-    Eight three = {}, four = {};
+    Four even[PARTS], odd[PARTS] = {};
+    for (std::size_t p = 0; p < PARTS; ++p) even[p] = reinterpret_cast<const Loose*>(row)[p];
     const std::size_t place = i % width;
     const double* factor = band.factor + i * width;
     const double* before = window + (place + width - 1) * LANES;
     std::size_t d = 1;
     for (; d + 1 < width; d += 2, before -= 2 * LANES) {
-      one -= factor[d] * *reinterpret_cast<const Loose*>(before);
-      two -= factor[d] * *reinterpret_cast<const Loose*>(before + EIGHT);
-      three -= factor[d + 1] * *reinterpret_cast<const Loose*>(before - LANES);
-      four -= factor[d + 1] * *reinterpret_cast<const Loose*>(before - EIGHT);
+      for (std::size_t p = 0; p < PARTS; ++p) {
+        even[p] -= factor[d] * reinterpret_cast<const Loose*>(before)[p];
+        odd[p] -= factor[d + 1] * reinterpret_cast<const Loose*>(before - LANES)[p];
+      }
     }
-    if (d < width) {
-      one -= factor[d] * *reinterpret_cast<const Loose*>(before);
-      two -= factor[d] * *reinterpret_cast<const Loose*>(before + EIGHT);
+    for (std::size_t p = 0; d < width && p < PARTS; ++p) {
+      even[p] -= factor[d] * reinterpret_cast<const Loose*>(before)[p];
     }
     const double scale = 1.0 / factor[0];
     double* here = window + place * LANES;
     for (double* at : {here, here + width * LANES}) {
-      *reinterpret_cast<Loose*>(at) = (one + three) * scale;
-      *reinterpret_cast<Loose*>(at + EIGHT) = (two + four) * scale;
+      for (std::size_t p = 0; p < PARTS; ++p) reinterpret_cast<Loose*>(at)[p] = (even[p] + odd[p]) * scale;
     }
     store(i, here);
   }
@@ -98,22 +101,23 @@ FLEXDYN_CLONES void filter_rows(const double* x, std::size_t columns, const doub
   for (std::size_t r = 0; r < rows; ++r) {
     const double* from = x + r * every * columns;
     if (columns == 1) {
-      Eight sum = {};
+      Four one = {}, two = {};
       std::size_t m = 0;
-      for (; m + EIGHT <= count; m += EIGHT) {
-        sum += *reinterpret_cast<const Loose*>(taps + m) * *reinterpret_cast<const Loose*>(from + m);
+      for (; m + 2 * FOUR <= count; m += 2 * FOUR) {
+        one += *reinterpret_cast<const Loose*>(taps + m) * *reinterpret_cast<const Loose*>(from + m);
+        two += *reinterpret_cast<const Loose*>(taps + m + FOUR) * *reinterpret_cast<const Loose*>(from + m + FOUR);
       }
       double rest = 0.0;
       for (; m < count; ++m) rest += taps[m] * from[m];
-      out[r] = rest + (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])));
+      out[r] = rest + sum(one + two);
       continue;
     }
-    for (std::size_t first = 0; first < columns; first += EIGHT) {
-      const std::size_t some = std::min(EIGHT, columns - first);
+    for (std::size_t first = 0; first < columns; first += FOUR) {
+      const std::size_t some = std::min(FOUR, columns - first);
       const double* at = from + first;
-      Eight one = {}, two = {};
+      Four one = {}, two = {};
       std::size_t m = 0;
-      if (at + (count - 1) * columns + EIGHT <= end) {  // columns beyond the last one are added too, and not used
+      if (at + (count - 1) * columns + FOUR <= end) {  // columns beyond the last one are added too, and not used
         for (; m + 2 <= count; m += 2) {
           one += taps[m] * *reinterpret_cast<const Loose*>(at + m * columns);
           two += taps[m + 1] * *reinterpret_cast<const Loose*>(at + (m + 1) * columns);
@@ -134,15 +138,17 @@ FLEXDYN_CLONES void mixed_products(const float* one, const std::int64_t* which, 
     const float* mine = one + static_cast<std::size_t>(which[i]) * rows;
     for (std::size_t k = 0; k < others; ++k) {
       const double* theirs = other + k * rows;
-      Eight sum = {};
+      Four even = {}, odd = {};
       std::size_t r = 0;
-      for (; r + EIGHT <= rows; r += EIGHT) {
-        sum += __builtin_convertvector(*reinterpret_cast<const LooseSingles*>(mine + r), Eight) *
-               *reinterpret_cast<const Loose*>(theirs + r);
+      for (; r + 2 * FOUR <= rows; r += 2 * FOUR) {
+        even += __builtin_convertvector(*reinterpret_cast<const LooseSingles*>(mine + r), Four) *
+                *reinterpret_cast<const Loose*>(theirs + r);
+        odd += __builtin_convertvector(*reinterpret_cast<const LooseSingles*>(mine + r + FOUR), Four) *
+               *reinterpret_cast<const Loose*>(theirs + r + FOUR);
       }
       double rest = 0.0;
       for (; r < rows; ++r) rest += static_cast<double>(mine[r]) * theirs[r];
-      out[i * others + k] = rest + (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])));
+      out[i * others + k] = rest + sum(even + odd);
     }
   }
 }
