@@ -72,7 +72,7 @@ class PreslidingFriction(MemoryEffect):
     neutral = {"level": 0.0}
     shown = {"level": 1.0, "stiffness": 500.0}
     linear_bounds = (0.0,)
-    contains = ("coulomb_friction", "viscous_friction")
+    contains = ("coulomb_friction",)
     plainer = ("coulomb_friction",)
 
     level: float = parameter("N m", lower=0.0)

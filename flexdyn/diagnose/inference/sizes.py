@@ -97,12 +97,13 @@ class Sizes:
         return float(np.sqrt(12.0) * max(self.noise.q[j], self.noise.theta[j]))
 
     def rows_of(self, joint: str) -> int:
-        """Rows that a gain of a joint's torque scales: those that the recorded torque makes a position for.
+        """Rows that a gain of a joint's torque scales: those for which the recorded torque makes the link's position.
 
-        Elsewhere the column of a gain is made of the torque that the model needs, which has no noise of the record.
+        Elsewhere the column of a gain is made of the torque that the model needs, which has no noise of the record. A
+        rotor's position is made of what the links need.
         """
         j = self.equations.true.index(joint)
-        if not self.equations.made_up[j]:
+        if not self.equations.unmeasured[j]:
             return 0
         which = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
         return int((~self.mask.reshape(-1, len(self.equations.kinds))[:, which]).sum())
