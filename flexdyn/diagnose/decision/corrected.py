@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from flexdyn.diagnose.decision.calibrated import within
@@ -13,6 +13,7 @@ from flexdyn.diagnose.decision.held_out import ModelRows
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.model_effects import effect_of, needed, possible
 from flexdyn.diagnose.decision.naming import Name, names, standing_in
+from flexdyn.diagnose.decision.one_law import completing
 from flexdyn.diagnose.decision.seen import stays
 from flexdyn.diagnose.decision.verdict import left
 from flexdyn.diagnose.hypothesis.estimate import fit
@@ -102,7 +103,7 @@ def corrected(
 ) -> Corrected:
     """Name what is established, and fit the model with these names and no others.
 
-    For an "A or B" the model contains A. If more than noise is left, something without a name may have displaced the
+    For an "A or B" the model contains A, and what B has beyond it where that is certain. If more than noise is left, something without a name may have displaced the
     file's numbers: they are kept within their tolerance.
 
     Args:
@@ -126,21 +127,23 @@ def corrected(
         """Probabilities that a name is genuine, by the equations and, where there are any, by simulations."""
         return {c: which(each, seen.get(c, each)) for c, each in own.items()}
 
+    completed = functools.partial(completing, space, masses, there=there)
     named = names(masses, best, weighed(), there, may)
     told: set[int] = set()
     real = {c for c in best if own[c] >= ESTABLISHED}  # also where nobody knows which of several laws it is
     while told != (told := {each.candidate for each in named if each.established}):
         # What may be an imitation explains nothing: the names must stand out from it, too.
-        alone = _genuine(found, shares(space, frozenset(each for each in found.best if each[0] in told | real)))
+        certain = told | real | completed([each for each in named if each.established])
+        alone = _genuine(found, shares(space, frozenset(each for each in found.best if each[0] in certain)))
         own |= {c: min(own[c], alone[c]) for c in told}
         named = names(masses, best, weighed(), there, may)
     kept = told_by_data(space, masses, best, [each for each in named if each.established], may)
-    made = _fitted(found.fitted, [space.candidates[each.candidate] for each in kept])
+    made = _fitted(found, found.fitted, {each.candidate for each in kept} | completed(kept))
     # An effect that explains more in simulations than remains there may be small in the equations.
     least = {c: 0.0 if simulated.get(c, 0.0) > 1.0 else SMALLEST_TORQUE_SHARE for c in best}
     # The linear equations may have promised too much; what is left out displaces the others.
     while kept != (kept := tuple(each for each in kept if stays(space, each.candidate, made, least[each.candidate]))):
-        made = _fitted(made, [space.candidates[each.candidate] for each in kept])
+        made = _fitted(found, made, {each.candidate for each in kept} | completed(kept))
     made = _continued(made)
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = leaves_noise(made, plain)
@@ -193,14 +196,14 @@ def _may_stand_in(space: Space, masses: Masses, c: int) -> bool:
     return abs(factor - 1.0) > IN_TOLERANCE * candidate.number.tolerance
 
 
-def _fitted(found: Fit, kept: list[Candidate]) -> Fit:
+def _fitted(found: Posterior, made: Fit, kept: Collection[int]) -> Fit:
     """The fit with the kept candidates alone."""
-    here = found.hypothesis
-    effects = needed(here, [each for each in here.effects if any(effect_of(own, here) is each for own in kept)])
-    freed = frozenset(own.number for own in kept if own.number is not None)
+    here, own = made.hypothesis, [found.space.candidates[c] for c in sorted(kept)]
+    effects = needed(here, [each for each in here.effects if any(effect_of(one, here) is each for one in own)])
+    freed = frozenset(one.number for one in own if one.number is not None)
     if effects == here.effects and freed == here.freed:
-        return found
-    return fit(dataclasses.replace(here, effects=effects, freed=freed), found.space)
+        return made
+    return fit(dataclasses.replace(here, effects=effects, freed=freed), made.space)
 
 
 def _continued(made: Fit) -> Fit:

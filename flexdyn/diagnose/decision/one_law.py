@@ -8,8 +8,10 @@ unknown, the plainer one is told, and the law is its rival.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 
+from flexdyn.diagnose.decision.masses import Masses
+from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.inference.passes import LAST_STEPS, Posterior
 from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
@@ -68,6 +70,28 @@ def by_plainer_laws(found: Posterior, genuine: Mapping[int, float]) -> Posterior
     return _of(found, best)
 
 
+def completing(space: Space, masses: Masses, names: Iterable[Name], there: Collection[int]) -> frozenset[int]:
+    """Candidates that make a name the law that is its rival: the offset of "Coulomb or asymmetric friction".
+
+    Which of the two it is called is open, but what the rival has beyond the name is certain. Without that, it would be
+    left over, and displace everything else.
+
+    Args:
+        space: that compared the candidates.
+        masses: of all sets.
+        names: established ones.
+        there: candidates of the best structure.
+    """
+    told = {each.candidate: each.rivals for each in names}
+    return frozenset(
+        c
+        for parts, whole in _sums(space)
+        if any(whole in told[c] for c in parts & told.keys())
+        for c in (parts & frozenset(there)) - told.keys()
+        if masses.of_any([c, whole]) >= ESTABLISHED
+    )
+
+
 def _of(found: Posterior, best: Structure) -> Posterior:
     """The posterior with another best structure, which is fitted."""
     if best == found.best:
@@ -79,12 +103,18 @@ def _of(found: Posterior, best: Structure) -> Posterior:
 
 def _sums(space: Space) -> Iterator[tuple[frozenset[int], int]]:
     """Candidates of one joint, with the one that is all of them together."""
+    joints: dict[str | None, list[int]] = {}
+    for c, each in enumerate(space.candidates):
+        joints.setdefault(each.spot[0], []).append(c)
     for c, whole in enumerate(space.candidates):
+        if not whole.law.sum_of:
+            continue
         (joint, side), there = whole.spot, {}
-        for k, each in enumerate(space.candidates):
-            if each.spot == whole.spot or (each.spot[0] == joint and side not in each.law.sides):
+        for k in joints[joint]:
+            each = space.candidates[k]
+            if each.spot == whole.spot or side not in each.law.sides:
                 there[each.kind] = k
-        if whole.law.sum_of and there.keys() >= set(whole.law.sum_of):
+        if there.keys() >= set(whole.law.sum_of):
             yield frozenset(there[kind] for kind in whole.law.sum_of), c
 
 

@@ -13,6 +13,7 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.made_up import friction_of
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import joint_terms
+from flexdyn.diagnose.lazy import kept
 from flexdyn.effects import Effect, effect_from_dict
 from flexdyn.effects.extent import MotionExtent
 
@@ -62,6 +63,7 @@ class Proposal:
         """The effect at a grid point with its linear values; None if they are not allowed."""
         return self.build(point, [] if self.fixed else np.asarray(x, dtype=float).tolist())
 
+    @kept
     def units(self, point: Point) -> list[Unit]:
         """Effects at a grid point, one for each linear value, each with the size of that value in it."""
         alone = [

@@ -41,14 +41,14 @@ class Candidate:
     ratio: float = 1.0
     tangents: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def place(self) -> dict[str, str]:
         """Where it acts."""
         if self.proposal is not None:
             return dict(self.proposal.place)
         return {} if self.number is None else {"of": self.number.of, "parameter": self.number.parameter}
 
-    @property
+    @cached_property
     def spot(self) -> tuple[str | None, str | None]:
         """Joint and side on which it acts."""
         return self.place.get("joint"), self.place.get("side")
