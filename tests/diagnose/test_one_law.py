@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import flexdyn as fd
@@ -40,6 +41,22 @@ def test_an_offset_of_the_motor_alone_keeps_its_name(tmp_path: Path) -> None:
     values = {effect: numbers for effect, numbers, _ in findings}
     assert values.keys() == {"viscous_friction", "torque_offset"}
     assert values["torque_offset"] == pytest.approx({"offset": 2.0}, rel=2e-2)
+
+
+def test_a_constant_torque_stays_in_the_model_whatever_it_is_called(tmp_path: Path) -> None:
+    """An unknown force that wanders may make friction look asymmetric: the name is open, the constant force is not."""
+    window = np.hanning(600)
+    wander = np.convolve(np.random.default_rng(3).standard_normal(9000), window / np.linalg.norm(window), "valid")
+    unknown = iter((wander - wander[:8000].mean()).tolist())
+    record = recording(lambda v: UP if v > 0.0 else -DOWN, lambda force: force + next(unknown))
+    diagnosis = fd.diagnose(model(tmp_path), fit=[record])
+    ((effect, values, _),) = named(diagnosis)
+    assert effect == "coulomb_friction"
+    assert [each.effect for each in diagnosis.findings[0].rivals] == ["asymmetric_friction"]
+    assert values["level"] == pytest.approx(0.5 * (UP + DOWN), rel=0.05)
+    (offset,) = (each.offset for each in diagnosis.model.effects if isinstance(each, fd.effects.TorqueOffset))
+    assert offset == pytest.approx(0.5 * (DOWN - UP), rel=0.2)
+    assert any("torque offset" in note for note in diagnosis.notes)
 
 
 def test_what_may_be_an_imitation_is_told_as_the_plainer_law(tmp_path: Path) -> None:

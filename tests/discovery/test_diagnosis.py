@@ -19,6 +19,8 @@ CASES = [
     ("rigid", 5, 7, "viscous friction"),
     ("none", 4, 0, "nothing"),
     ("outside", 4, 0, "a torque that drifts"),
+    ("triple", 117001, 4, "presliding and viscous friction of one motor, whose commands come late"),
+    ("link_only", 117001, 3, "a gain of a torque, beside which everything else could be heavier and stiffer"),
 ]
 
 

@@ -103,8 +103,8 @@ def corrected(
 ) -> Corrected:
     """Name what is established, and fit the model with these names and no others.
 
-    For an "A or B" the model contains A, and what B has beyond it where that is certain. If more than noise is left, something without a name may have displaced the
-    file's numbers: they are kept within their tolerance.
+    For an "A or B" the model contains A, and what B has beyond it where that is certain. If more than noise is left,
+    something without a name may have displaced the file's numbers: they are kept within their tolerance.
 
     Args:
         found: the posterior over structures.

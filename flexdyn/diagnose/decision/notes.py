@@ -9,6 +9,7 @@ import numpy as np
 
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.findings import lags_within_a_sample
+from flexdyn.diagnose.decision.one_law import completing
 from flexdyn.diagnose.decision.suspects import suspect_of
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
@@ -78,6 +79,12 @@ def _of_sums(found: Corrected) -> Iterator[str]:
                 f"On {candidate.spot[0]}, {effect_name(candidate.kind)} is the same as {joined(parts)} together:"
                 " no motion tells them apart."
             )
+    beside = completing(found.space, found.masses, found.names, {c for c in found.genuine if found.effect(c)})
+    for candidate in (found.candidates[c] for c in sorted(beside)):
+        yield (
+            f"The corrected model has {effect_name(candidate.kind)} on {candidate.spot[0]} as well: what the rival of"
+            " a finding has beyond it is certain, and only its cause is open."
+        )
 
 
 def _of_torques(found: Corrected) -> Iterator[str]:
