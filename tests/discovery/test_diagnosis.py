@@ -21,6 +21,7 @@ CASES = [
     ("outside", 4, 0, "a torque that drifts"),
     ("triple", 117001, 4, "presliding and viscous friction of one motor, whose commands come late"),
     ("link_only", 117001, 3, "a gain of a torque, beside which everything else could be heavier and stiffer"),
+    ("link_only", 118001, 5, "a gain of one of two encoders: the linear equations promise more of the other one"),
 ]
 
 

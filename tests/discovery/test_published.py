@@ -137,3 +137,13 @@ def test_laboratories_differ() -> None:
     assert {lab.every for lab in labs} == {1, 2, 4, 8}
     assert {lab.motion for lab in labs} == {"mixed", "fourier", "points", "single"}
     assert all(2e-3 <= lab.filtered <= 8e-3 and 0.005 <= lab.noise <= 0.02 for lab in labs)
+
+
+@pytest.mark.slow
+def test_a_likely_imitation_does_not_hide_what_every_motor_has(tmp_path: Path) -> None:
+    """Seed 118001, case 7: quadratic drag is more likely than the viscous friction that is there, and imitates it."""
+    place = write_case(make_published(118001, 7, 40.0, 12.0), tmp_path / "published")
+    fit, check = (fd.read_recording(place / f"{part}.npz") for part in ("fit", "check"))
+    found = fd.diagnose(fd.load_model(place / "model.yaml"), [fit], [check])
+    named = {(each.suspect.effect, each.suspect.joint) for each in found.findings}
+    assert {(kind, joint) for kind in ("viscous_friction", "coulomb_friction") for joint in JOINTS} <= named

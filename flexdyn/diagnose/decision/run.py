@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -119,9 +118,7 @@ def _diagnosed(
     said: tuple[str, ...],
 ) -> Diagnosis:
     from flexdyn.diagnose.decision.conclusion import concluded
-    from flexdyn.diagnose.decision.corrected import corrected
-    from flexdyn.diagnose.decision.one_law import by_plainer_laws, in_one_law
-    from flexdyn.diagnose.decision.refitted import share_in_forces
+    from flexdyn.diagnose.decision.told import told
     from flexdyn.diagnose.inference.passes import posterior
 
     tell(STAGES[0], 0.0)
@@ -138,13 +135,7 @@ def _diagnosed(
     tell(STAGES[1], 0.05)
     compared = dataclasses.replace(posterior(bare, noise, start), expected=expect)
     plain = weighed(bare, compared.noise, compared.fitted.space.whiten.mask)
-    by_fits = functools.partial(share_in_forces, compared) if bare.equations.replayed.any() else None
-    found = corrected(compared, plain, by_fits)
-    told = in_one_law(by_plainer_laws(compared, found.genuine), {each.candidate for each in found.names})
-    again = found if told is compared else corrected(told, plain, by_fits)
-    new = {c for c, _ in told.best} - {c for c, _ in compared.best}
-    if not new or new & {each.candidate for each in again.names}:  # only if what was put in place has a name
-        compared, found = told, again
+    compared, found = told(compared, plain)
     know(found=found, noise=compared.noise)
     answer = concluded(plain, start, compared, found, (fitted, test))
     return _finished(answer, notes, began, given)

@@ -14,7 +14,7 @@ from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import priors
 from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
-from flexdyn.diagnose.inference.search import OCCAM_WINDOW, Scan
+from flexdyn.diagnose.inference.search import OCCAM_WINDOW, STRONG_GAIN_SHARE, Scan
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
 from flexdyn.diagnose.inference.whitening import Tempered
@@ -65,13 +65,40 @@ def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) ->
     count, squares = space.noise.count, _squares(base.equations, base.space)
     lacks = (squares > (1.0 + NOISE_LEVEL_ERROR) * count + CHANCE_ROOM * np.sqrt(2.0 * count)).any()
     added = [point for gain, point in Scan(space).additions(stands) if lacks and gain > -OCCAM_WINDOW]
-    tried = [best, *(stands | {(c, p)} for c, p in added if not waits(space, c))]
-    found, most = stands, _log_posterior(space, stands, base)
-    for structure in dict.fromkeys(tried):
-        if structure != stands:
-            value = _by_fit(space, structure, base, STEPS_TRIED)
-            found, most = (structure, value) if value > most else (found, most)
-    return found
+    values = {stands: _log_posterior(space, stands, base)}
+    for each in (best, *_with(space, stands, added)):
+        if each not in values:
+            values[each] = _by_fit(space, each, base, STEPS_TRIED)
+    return max(values, key=lambda each: values[each])
+
+
+def best_where_not_linear(space: Space, best: Structure, base: Fit, stands: Structure) -> Structure:
+    """The best structure of a linearisation, unless its fit does not keep what the linear equations promise of it.
+
+    They may be far from linear in small errors of the file's numbers where a position is not measured. Then the
+    candidates that promise most alone are fitted, and the most likely structure by fits is taken.
+
+    Args:
+        space: of the linearisation.
+        best: its best structure.
+        base: the fit of `stands`, under whose weights all are fitted.
+        stands: the structure at which it is.
+    """
+    if best == stands:
+        return best
+    values = {best: _by_fit(space, best, base, STEPS_ELSEWHERE)}
+    if values[best] > space.value(best) - OCCAM_WINDOW:
+        return best
+    gains = Scan(space).additions(stands)
+    strong = [point for gain, point in gains if gain > STRONG_GAIN_SHARE * gains[0][0]]
+    for each in _with(space, stands, strong):
+        values[each] = _by_fit(space, each, base, STEPS_ELSEWHERE)
+    return max(values, key=lambda each: values[each])
+
+
+def _with(space: Space, stands: Structure, added: Iterable[tuple[int, int]]) -> list[Structure]:
+    """A structure with each of some candidates in addition."""
+    return [stands | {(c, p)} for c, p in added if not waits(space, c)]
 
 
 def _by_fit(space: Space, structure: Structure, base: Fit, steps: int) -> float:

@@ -18,11 +18,11 @@ from flexdyn.diagnose.hypothesis.workspace import Unweighted
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.elsewhere import best_by_fits, odds_by_fits
+from flexdyn.diagnose.inference.elsewhere import best_by_fits, best_where_not_linear, odds_by_fits
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.linearisation import Linearisation
 from flexdyn.diagnose.inference.rivals import among_rivals
-from flexdyn.diagnose.inference.search import explore
+from flexdyn.diagnose.inference.search import STRONG_GAIN_SHARE, explore
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, waits
 from flexdyn.diagnose.inference.weights import for_fit, quieter, rows_of
@@ -33,8 +33,6 @@ MOST_PASSES = 5
 """Linearisations at most."""
 MODEL_ERROR_ROUNDS = 25
 """Times that model error and structure are estimated in turn, at most."""
-STRONG_GAIN_SHARE = 0.1
-"""Share of the first gain of a pass from which another addition is made before the equations are linearised anew."""
 NUMBERS_STEPS, PASS_STEPS, LAST_STEPS = 3, 4, 8
 """Gauss-Newton steps at most: of the file's numbers alone, between two linearisations, and in the end."""
 Places = frozenset[tuple[object, ...]]
@@ -96,8 +94,9 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         know(space=space)
         stands = standing(space)
         best = _compared(space, stands)
-        if bare.equations.simulated:
-            best = best_by_fits(space, best, near.fitted(hypothesis_of(space, stands), PASS_STEPS), stands)
+        if bare.equations.made_up.any():
+            chosen = best_by_fits if bare.equations.simulated else best_where_not_linear
+            best = chosen(space, best, near.fitted(hypothesis_of(space, stands), PASS_STEPS), stands)
         places = frozenset(identity(space.candidates[c]) for c, _ in best)
         # Where the file's numbers are far off, nothing may look worth adding: only a fit's linearisation can say that.
         stays = k > 0 and _nonlinear(space, best) == _nonlinear(space, stands)

@@ -21,6 +21,9 @@ OCCAM_WINDOW = math.log(1000.0)
 STRUCTURES_EXPLORED = 30
 """Structures whose neighbours are all compared, at most."""
 
+STRONG_GAIN_SHARE = 0.1
+"""Share of the first gain of a pass from which another addition is made before the equations are linearised anew."""
+
 
 class Scan:
     """Compares all additions to a structure at once."""

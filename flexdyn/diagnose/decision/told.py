@@ -1,0 +1,52 @@
+"""Which structure is told: the best one, or one with plainer laws or without likely imitations if more has a name."""
+
+from __future__ import annotations
+
+import functools
+
+from flexdyn.diagnose.decision.corrected import Corrected, corrected
+from flexdyn.diagnose.decision.one_law import by_plainer_laws, in_one_law, instead
+from flexdyn.diagnose.decision.refitted import share_in_forces
+from flexdyn.diagnose.hypothesis.fitted import Workspace
+from flexdyn.diagnose.inference.passes import Posterior
+
+LIKELY_IMITATION = 0.5
+"""Probability of being genuine below which a law is more likely an imitation of something unknown [1]."""
+
+
+def told(compared: Posterior, plain: Workspace) -> tuple[Posterior, Corrected]:
+    """The posterior whose best structure is told, and its corrected model.
+
+    Args:
+        compared: the posterior over structures.
+        plain: the equations of the model as given, with the sensors' weights.
+    """
+    by_fits = functools.partial(share_in_forces, compared) if plain.equations.replayed.any() else None
+    found = corrected(compared, plain, by_fits)
+    other = in_one_law(by_plainer_laws(compared, found.genuine), _named(found))
+    again = found if other is compared else corrected(other, plain, by_fits)
+    new = {c for c, _ in other.best} - {c for c, _ in compared.best}
+    if not new or new & _named(again):  # only if what was put in place has a name
+        compared, found = other, again
+    other = _without_imitations(compared, found)
+    if other is not compared:
+        again = corrected(other, plain, by_fits)
+        if _named(again) > _named(found):
+            return other, again
+    return compared, found
+
+
+def _named(found: Corrected) -> set[int]:
+    """Candidates that have names."""
+    return {each.candidate for each in found.names}
+
+
+def _without_imitations(compared: Posterior, found: Corrected) -> Posterior:
+    """The posterior whose best structure has no law that is more likely an imitation.
+
+    Such a law gets no name, but it may leave nothing for another one that has its torque in other structures: quadratic
+    drag in the place of the viscous friction that every motor has.
+    """
+    doubtful = {c for c, genuine in found.genuine.items() if genuine < LIKELY_IMITATION} - _named(found)
+    laws = {c for c in doubtful if compared.space.candidates[c].number is None}
+    return instead(compared, frozenset(each for each in compared.best if each[0] not in laws))
