@@ -130,6 +130,15 @@ def test_an_orthogonal_effect_has_all_that_it_does() -> None:
     }
 
 
+def test_what_a_fit_does_not_leave_is_not_left() -> None:
+    """The linear equations leave another form as well, of which a fit explains all but a quarter of the power."""
+    number, one, rest = _orthogonal(3, SIZE)
+    space = _coloured(_case((_effect("viscous_friction", one),), rest - one, number))
+    structure: Structure = frozenset({(1, 0)})
+    linear, fitted = (shares(space, structure, np.array([x, 0.0]))[1] for x in (0.0, 0.75 * POWER))
+    assert fitted / linear == pytest.approx(float(_excess(POWER) / _excess(0.25 * POWER)), rel=1e-2)
+
+
 def test_what_is_left_at_other_equations_does_not_matter() -> None:
     """Of an effect that acts on the first equation alone."""
     number, one, rest = _orthogonal(3, SIZE)

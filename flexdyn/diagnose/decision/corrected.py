@@ -7,6 +7,9 @@ import functools
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from flexdyn.arrays import Array
 from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.even_odds import told_by_data
 from flexdyn.diagnose.decision.held_out import ModelRows
@@ -21,6 +24,7 @@ from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
 from flexdyn.diagnose.inference.apart import genuine, shares
 from flexdyn.diagnose.inference.candidate import Candidate
+from flexdyn.diagnose.inference.elsewhere import squares_left
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.inference.space import Space
@@ -117,7 +121,8 @@ def corrected(
     masses = _masses(found)
     best = frozenset(c for c, _ in found.best)
     there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
-    own = _genuine(found, shares(space, found.best))
+    apart = functools.partial(shares, space, overstated=_overstated(found))
+    own = _genuine(found, apart(found.best))
     may = functools.partial(_may_stand_in, space, masses)
     sure = [each.candidate for each in names(masses, best, None, there, may) if each.established]
     simulated = {c: simulated_share(c) for c in sure} if simulated_share else {}
@@ -134,7 +139,7 @@ def corrected(
     while told != (told := {each.candidate for each in named if each.established}):
         # What may be an imitation explains nothing: the names must stand out from it, too.
         certain = told | real | completed([each for each in named if each.established])
-        alone = _genuine(found, shares(space, frozenset(each for each in found.best if each[0] in certain)))
+        alone = _genuine(found, apart(frozenset(each for each in found.best if each[0] in certain)))
         own |= {c: min(own[c], alone[c]) for c in told}
         named = names(masses, best, weighed(), there, may)
     kept = told_by_data(space, masses, best, [each for each in named if each.established], may)
@@ -155,6 +160,14 @@ def _genuine(found: Posterior, share: Mapping[int, float]) -> dict[int, float]:
     """Probability by candidate that it is no imitation, from how far it stands out from what is left."""
     has = found.fitted.hypothesis.given.effects
     return {c: genuine(found.space.candidates[c], each, found.expected, has) for c, each in share.items()}
+
+
+def _overstated(found: Posterior) -> Array:
+    """What the linear equations leave of the best structure, and its fit does not (equations,)."""
+    space = found.space
+    columns, mean = space.gram.with_base(space.gram.estimate(space.columns(found.best)))
+    left = squares_left(found.fitted.equations, found.fitted.space)
+    return np.maximum(space.matrix.products.squares(columns, mean) - left, 0.0)
 
 
 def _masses(found: Posterior) -> Masses:

@@ -72,7 +72,7 @@ def _unusual(candidate: Candidate, effects: Collection[Effect]) -> bool:
     )
 
 
-def shares(space: Space, structure: Structure) -> dict[int, float]:
+def shares(space: Space, structure: Structure, overstated: Array | float = 0.0) -> dict[int, float]:
     """Of every effect of a structure and every number of the file: own power over that of what is not explained [1].
 
     The own part of an effect is the part that no other effect of the structure, no number of the file within its
@@ -80,10 +80,15 @@ def shares(space: Space, structure: Structure) -> dict[int, float]:
     they cannot explain. The unexplained part is the residual beyond the sensors' noise in the same equations, if it is
     correlated: white residuals mean a wrong noise level. If this part is zero, it is the share of torque that is left
     over all equations, as far as noise can hide it.
+
+    Args:
+        space: of the linearisation.
+        structure: in it.
+        overstated: squares that the linear equations leave and a fit does not (equations,).
     """
     columns, mean = space.gram.with_base(space.gram.estimate(space.columns(structure)))
     value = dict(zip(columns.tolist(), mean.tolist(), strict=True))
-    squares = space.matrix.products.squares(columns, mean)
+    squares = np.maximum(space.matrix.products.squares(columns, mean) - overstated, 0.0)
     below = _undetected(space.noise)
     excess = beyond_noise(space.noise, squares)
     typical, weights = _typical(space, excess), space.gram.weights

@@ -62,7 +62,7 @@ def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) ->
         base: the fit of `stands`, under whose weights all are fitted.
         stands: the structure at which it is.
     """
-    count, squares = space.noise.count, _squares(base.equations, base.space)
+    count, squares = space.noise.count, squares_left(base.equations, base.space)
     lacks = (squares > (1.0 + NOISE_LEVEL_ERROR) * count + CHANCE_ROOM * np.sqrt(2.0 * count)).any()
     added = [point for gain, point in Scan(space).additions(stands) if lacks and gain > -OCCAM_WINDOW]
     values = {stands: _log_posterior(space, stands, base)}
@@ -135,10 +135,10 @@ def log_density(space: Space, made: Fit) -> float:
 def log_density_at(space: Space, there: Hypothesis, at: Equations, work: Workspace) -> float:
     """The same of a hypothesis that has these equations, with the weights of a workspace."""
     centre, sigma = priors(there, work)
-    return space.noise.log_likelihood(_squares(at, work)) - 0.5 * float(np.sum((centre / sigma) ** 2))
+    return space.noise.log_likelihood(squares_left(at, work)) - 0.5 * float(np.sum((centre / sigma) ** 2))
 
 
-def _squares(at: Equations, work: Workspace) -> Array:
+def squares_left(at: Equations, work: Workspace) -> Array:
     """Sums of the squared rows of each equation, in units of the sensors' noise (equations,)."""
     weights, many = work.at(at), len(at.kinds)
     squares = (weights.white(at.residual).reshape(-1, many) ** 2).sum(axis=0)
