@@ -176,7 +176,7 @@ def test_every_family_of_hidden_effects_has_a_row(script: ModuleType) -> None:
     text = (ROOT / "benchmarks" / "discovery" / "README.md").read_text(encoding="utf-8")
     table = text.partition("| family |")[2].partition("\n\n")[0]
     families = [name for row in table.splitlines() for name in re.findall(r"`(\w+)`", row.split("|")[1:2][0])]
-    assert len(families) == 11
+    assert len(families) == 12
     row = dict.fromkeys(("right", "half", "beside", "wrong", "missed", "forced", "failed"), 0) | {"cases": 0}
     rest = dict.fromkeys(("points", "median_parameter_error", "coverage", "test_gap_over_floor", "median_seconds"))
     table = script.discovery_table({"summary": dict.fromkeys(families, row | rest)})

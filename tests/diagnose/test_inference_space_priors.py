@@ -71,7 +71,8 @@ def test_friction_of_links_is_not_expected() -> None:
     space = _places("viscous_friction", joints="a").space()
     (motor, *_) = space.candidates
     assert motor.proposal is not None
-    motor.proposal = replace(motor.proposal, place={**motor.proposal.place, "side": "link"})
+    link = replace(motor.proposal, place={**motor.proposal.place, "side": "link"})
+    space.candidates[0] = replace(motor, proposal=link)
     space.places = Counter(each.group for each in space.candidates)
     assert motors == pytest.approx(20.0)
     assert math.exp(space.log_prior(ALONE)) == pytest.approx(1.0)

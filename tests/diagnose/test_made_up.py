@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 import flexdyn as fd
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.proposal import half_gaps
+from flexdyn.diagnose.inference.sizes import Sizes
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, RATE, two_link_motion
 
@@ -88,3 +90,22 @@ def test_play_is_looked_for_as_wide_as_it_may_be(gap: float) -> None:
     for j in range(2):
         deflection = float(np.abs(at.motions[0].delta[:, j]).max())
         assert max(half_gaps(at, j, deflection)) == pytest.approx(max(gap, 0.05 * deflection), rel=0.25)
+
+
+@pytest.mark.parametrize(
+    ("places", "scaled"),
+    [(("theta",), True), (("q",), False), (("q", "theta"), False)],
+    ids=["motors", "links", "both"],
+)
+def test_a_gain_scales_rows_where_a_torque_makes_the_link_s_position(places: tuple[str, ...], scaled: bool) -> None:
+    """A rotor's position is made of what the links need: the recorded torque, and its noise, is not in it."""
+    times = np.arange(400) / RATE
+    sway = 0.3 * np.sin(5.0 * times)
+    channels = {f"{place}.{joint}": sway for place in places for joint in JOINTS}
+    channels |= {f"tau.{joint}": np.cos(5.0 * times) for joint in JOINTS}
+    model = two_link(ARM)
+    at = Equations(model, (measured(model, fd.Recording(times, channels)),), Filters.of_rate(1.0 / RATE))
+    nothing = np.zeros(len(JOINTS))
+    sizes = Sizes(at, SampleNoise(nothing, nothing, nothing, nothing), np.zeros(at.residual.size, bool))
+    rows = at.residual.size // len(at.kinds)
+    assert sizes.rows_of(JOINTS[0]) == (rows if scaled else 0)

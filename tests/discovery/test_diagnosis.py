@@ -20,8 +20,6 @@ CASES = [
     ("none", 4, 0, "nothing"),
     ("outside", 4, 0, "a torque that drifts"),
     ("triple", 117001, 4, "presliding and viscous friction of one motor, whose commands come late"),
-    ("link_only", 117001, 3, "a gain of a torque, beside which everything else could be heavier and stiffer"),
-    ("link_only", 118001, 5, "a gain of one of two encoders: the linear equations promise more of the other one"),
 ]
 
 
@@ -43,6 +41,8 @@ MORE = [
     ("link_only", 5, 0, "Stribeck friction on a link"),
     ("motor_only", 98001, 1, "the torque-speed line of a motor that is asked for four times its torque"),
     ("link_only", 98001, 2, "a gain of a link's encoder"),
+    ("link_only", 117001, 3, "a gain of a torque, beside which everything else could be heavier and stiffer"),
+    ("link_only", 118001, 5, "a gain of one of two encoders: the linear equations promise more of the other one"),
     ("motor_only_wide", 106001, 3, "a hardening spring of an arm that moves one joint after the other"),
     ("motor_only", 108001, 2, "asymmetric friction, which is Coulomb friction and an offset"),
     ("motor_only", 112001, 0, "an end stop that is seldom touched"),
