@@ -62,8 +62,7 @@ def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) ->
         base: the fit of `stands`, under whose weights all are fitted.
         stands: the structure at which it is.
     """
-    count, squares = space.noise.count, squares_left(base.equations, base.space)
-    lacks = (squares > (1.0 + NOISE_LEVEL_ERROR) * count + CHANCE_ROOM * np.sqrt(2.0 * count)).any()
+    lacks = _lacks(space, base)
     added = [point for gain, point in Scan(space).additions(stands) if lacks and gain > -OCCAM_WINDOW]
     values = {stands: _log_posterior(space, stands, base)}
     for each in (best, *_with(space, stands, added)):
@@ -73,10 +72,11 @@ def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) ->
 
 
 def best_where_not_linear(space: Space, best: Structure, base: Fit, stands: Structure) -> Structure:
-    """The best structure of a linearisation, unless its fit does not keep what the linear equations promise of it.
+    """The best structure of a linearisation, or one candidate that explains everything alone by a fit.
 
-    They may be far from linear in small errors of the file's numbers where a position is not measured. Then the
-    candidates that promise most alone are fitted, and the most likely structure by fits is taken.
+    The linear equations may be far from right for small errors of the file's numbers where a position is not measured.
+    So if the fit of the best structure does not keep what they promise, the candidates that promise most alone are
+    fitted. One that leaves noise alone, and is more likely, is taken.
 
     Args:
         space: of the linearisation.
@@ -86,14 +86,25 @@ def best_where_not_linear(space: Space, best: Structure, base: Fit, stands: Stru
     """
     if best == stands:
         return best
-    values = {best: _by_fit(space, best, base, STEPS_ELSEWHERE)}
-    if values[best] > space.value(best) - OCCAM_WINDOW:
+    kept = _by_fit(space, best, base, STEPS_ELSEWHERE)
+    if kept > space.value(best) - OCCAM_WINDOW:
         return best
     gains = Scan(space).additions(stands)
     strong = [point for gain, point in gains if gain > STRONG_GAIN_SHARE * gains[0][0]]
-    for each in _with(space, stands, strong):
-        values[each] = _by_fit(space, each, base, STEPS_ELSEWHERE)
-    return max(values, key=lambda each: values[each])
+    for structure in _with(space, stands, strong):
+        made = _fitted(space, structure, base, STEPS_ELSEWHERE)
+        if made is None or _lacks(space, made):
+            continue
+        value = _log_posterior(space, structure, made)
+        if value > kept:
+            best, kept = structure, value
+    return best
+
+
+def _lacks(space: Space, made: Fit) -> bool:
+    """Whether a fit leaves more than noise, chance and a misjudged level of the noise make."""
+    count, squares = space.noise.count, squares_left(made.equations, made.space)
+    return bool((squares > (1.0 + NOISE_LEVEL_ERROR) * count + CHANCE_ROOM * np.sqrt(2.0 * count)).any())
 
 
 def _with(space: Space, stands: Structure, added: Iterable[tuple[int, int]]) -> list[Structure]:
@@ -103,11 +114,16 @@ def _with(space: Space, stands: Structure, added: Iterable[tuple[int, int]]) -> 
 
 def _by_fit(space: Space, structure: Structure, base: Fit, steps: int) -> float:
     """Log posterior of a structure, fitted in some steps."""
+    made = _fitted(space, structure, base, steps)
+    return -math.inf if made is None else _log_posterior(space, structure, made)
+
+
+def _fitted(space: Space, structure: Structure, base: Fit, steps: int) -> Fit | None:
+    """The fit of a structure; None: its numbers by the linear equations are no model."""
     try:
-        made = fit(hypothesis_of(space, structure, whole=True), base.space, steps=steps)
-    except SimulationError:  # its numbers by the linear equations are no model
-        return -math.inf
-    return _log_posterior(space, structure, made)
+        return fit(hypothesis_of(space, structure, whole=True), base.space, steps=steps)
+    except SimulationError:
+        return None
 
 
 def _in_space(space: Space, candidates: frozenset[int]) -> Structure:
