@@ -9,6 +9,7 @@ from flexdyn.diagnose.decision.one_law import by_plainer_laws, in_one_law, inste
 from flexdyn.diagnose.decision.refitted import share_in_forces
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.report.suspects import ESTABLISHED
 
 LIKELY_IMITATION = 0.5
 """Probability of being genuine below which a law is more likely an imitation of something unknown [1]."""
@@ -42,11 +43,13 @@ def _named(found: Corrected) -> set[int]:
 
 
 def _without_imitations(compared: Posterior, found: Corrected) -> Posterior:
-    """The posterior whose best structure has no law that is more likely an imitation.
+    """The posterior whose best structure has no uncertain law that is more likely an imitation.
 
     Such a law gets no name, but it may leave nothing for another one that has its torque in other structures: quadratic
-    drag in the place of the viscous friction that every motor has.
+    drag in the place of the viscous friction that every motor has. A law that is in all structures stays: whatever it
+    imitates is there, and would be left over for others to imitate.
     """
     doubtful = {c for c, genuine in found.genuine.items() if genuine < LIKELY_IMITATION} - _named(found)
-    laws = {c for c in doubtful if compared.space.candidates[c].number is None}
+    uncertain = {c for c in doubtful if found.masses.of_any([c]) < ESTABLISHED}
+    laws = {c for c in uncertain if compared.space.candidates[c].number is None}
     return instead(compared, frozenset(each for each in compared.best if each[0] not in laws))
