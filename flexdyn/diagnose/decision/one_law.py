@@ -46,7 +46,7 @@ def in_one_law(found: Posterior, named: Collection[int]) -> Posterior:
         for parts, whole in joined:
             structure = _merged(structure, parts, whole)
         known[structure] = max(value, known.get(structure, value))
-    return dataclasses.replace(instead(found, best), known=known)
+    return dataclasses.replace(with_best(found, best), known=known)
 
 
 def by_plainer_laws(found: Posterior, genuine: Mapping[int, float]) -> Posterior:
@@ -67,7 +67,7 @@ def by_plainer_laws(found: Posterior, genuine: Mapping[int, float]) -> Posterior
         contained = parts.get(c) or {plain[kind, spot] for kind in law.plainer[:1] if (kind, spot) in plain}
         if contained and genuine.get(c, 1.0) < ESTABLISHED:
             best = best - {(c, p)} | {(k, 0) for k in contained}
-    return instead(found, best)
+    return with_best(found, best)
 
 
 def completing(space: Space, masses: Masses, names: Iterable[Name], there: Collection[int]) -> frozenset[int]:
@@ -92,7 +92,7 @@ def completing(space: Space, masses: Masses, names: Iterable[Name], there: Colle
     )
 
 
-def instead(found: Posterior, best: Structure) -> Posterior:
+def with_best(found: Posterior, best: Structure) -> Posterior:
     """The posterior with another best structure, which is fitted."""
     if best == found.best:
         return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 
 from flexdyn.diagnose.decision.corrected import Corrected, corrected
-from flexdyn.diagnose.decision.one_law import by_plainer_laws, in_one_law, instead
+from flexdyn.diagnose.decision.one_law import by_plainer_laws, in_one_law, with_best
 from flexdyn.diagnose.decision.refitted import share_in_forces
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.inference.passes import Posterior
@@ -52,4 +52,4 @@ def _without_imitations(compared: Posterior, found: Corrected) -> Posterior:
     doubtful = {c for c, genuine in found.genuine.items() if genuine < LIKELY_IMITATION} - _named(found)
     uncertain = {c for c in doubtful if found.masses.of_any([c]) < ESTABLISHED}
     laws = {c for c in uncertain if compared.space.candidates[c].number is None}
-    return instead(compared, frozenset(each for each in compared.best if each[0] not in laws))
+    return with_best(compared, frozenset(each for each in compared.best if each[0] not in laws))

@@ -80,12 +80,10 @@ def best_where_not_linear(space: Space, best: Structure, base: Fit, stands: Stru
 
     Args:
         space: of the linearisation.
-        best: its best structure.
+        best: its best structure, another one than `stands`.
         base: the fit of `stands`, under whose weights all are fitted.
         stands: the structure at which it is.
     """
-    if best == stands:
-        return best
     kept = _by_fit(space, best, base, STEPS_ELSEWHERE)
     if kept > space.value(best) - OCCAM_WINDOW:
         return best

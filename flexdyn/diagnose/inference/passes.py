@@ -94,7 +94,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         know(space=space)
         stands = standing(space)
         best = _compared(space, stands)
-        if bare.equations.made_up.any():
+        if bare.equations.simulated or (bare.equations.made_up.any() and best != stands):
             chosen = best_by_fits if bare.equations.simulated else best_where_not_linear
             best = chosen(space, best, near.fitted(hypothesis_of(space, stands), PASS_STEPS), stands)
         places = frozenset(identity(space.candidates[c]) for c, _ in best)

@@ -20,9 +20,9 @@ OCCAM_WINDOW = math.log(1000.0)
 """Occam's window: structures less likely than the best by more than this factor are not explored (Madigan, 1994)."""
 STRUCTURES_EXPLORED = 30
 """Structures whose neighbours are all compared, at most."""
-
 STRONG_GAIN_SHARE = 0.1
-"""Share of the first gain of a pass from which another addition is made before the equations are linearised anew."""
+"""Share of the greatest gain of a pass from which another addition is made before the equations are linearised anew, or
+a candidate is fitted alone where they do not keep their promise."""
 
 
 class Scan:
