@@ -100,7 +100,9 @@ class OpenPage:
 
 
 @contextmanager
-def open_page(target: str | Path, *, width: int = 1280, height: int = 720, motion: bool = False) -> Iterator[OpenPage]:
+def open_page(
+    target: str | Path, *, width: int = 1280, height: int = 720, motion: bool = False, scripts: bool = True
+) -> Iterator[OpenPage]:
     """Open a file or an address; on the way out, assert that the page is sound and asked for nothing else.
 
     Args:
@@ -108,13 +110,15 @@ def open_page(target: str | Path, *, width: int = 1280, height: int = 720, motio
         width: of the window [px].
         height: of the window [px].
         motion: let the page move by itself; otherwise it is told that the user wants none.
+        scripts: let the page's own scripts run; its text is there without them, and to draw pictures takes seconds.
     """
     address = target if isinstance(target, str) and "://" in target else Path(target).resolve().as_uri()
     with ExitStack() as ends:
         browser = _kept[-1].browser() if _kept else ends.enter_context(_browser())
         wish = "no-preference" if motion else "reduce"
         # With a context of its own, which ends with it: storage and settings of one page are not those of the next.
-        tab = browser.new_page(viewport={"width": width, "height": height}, reduced_motion=wish)
+        size = {"width": width, "height": height}
+        tab = browser.new_page(viewport=size, reduced_motion=wish, java_script_enabled=scripts)
         ends.callback(tab.close)
         page = OpenPage(address, tab)
         tab.on("pageerror", lambda error: page.errors.append(str(error)))

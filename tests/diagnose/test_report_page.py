@@ -56,7 +56,7 @@ def test_the_page_says_what_the_json_says(made: Callable[[], Diagnosis], tmp_pat
     """Probabilities, gaps, errors and what is left, read back from both files."""
     made().save(tmp_path)
     document = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
-    with open_page(tmp_path / "report.html") as page:
+    with open_page(tmp_path / "report.html", scripts=False) as page:
         page.tab.evaluate("document.querySelectorAll('details').forEach(fold => { fold.open = true; })")
         told = page.tab.locator("main").inner_text().replace("\N{NO-BREAK SPACE}", " ")
     for finding in document["findings"]:
@@ -77,7 +77,7 @@ def test_an_interruption_is_said_first_and_large(made: Callable[[], Diagnosis], 
     """Above everything else, in the largest letters of the page, and nothing is said of what no effect explains."""
     diagnosis = made()
     diagnosis.save(tmp_path)
-    with open_page(tmp_path / "report.html") as page:
+    with open_page(tmp_path / "report.html", scripts=False) as page:
         assert page.tab.locator("main").inner_text().startswith("INTERRUPTED")
         size = "element => parseFloat(getComputedStyle(element).fontSize)"
         stop, heading = (page.tab.locator(each).evaluate(size) for each in (".stop", "#verdict"))
@@ -93,7 +93,7 @@ def test_an_interruption_is_said_first_and_large(made: Callable[[], Diagnosis], 
 def test_the_page_tells_what_was_found_and_why(tmp_path: Path) -> None:
     """Numbers with their intervals and units, evidence, rivals, the experiment, everything else."""
     cases.explained().save(tmp_path)
-    with open_page(tmp_path / "report.html") as page:
+    with open_page(tmp_path / "report.html", scripts=False) as page:
         page.tab.evaluate("document.querySelectorAll('details').forEach(fold => { fold.open = true; })")
         told = page.tab.locator("main").inner_text()
     for text in (
