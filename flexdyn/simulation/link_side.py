@@ -41,6 +41,14 @@ class LinkSide:
         """The compiled link side, made when it is first needed: for some only the inertias are needed."""
         return _links(self._tree, self._gravity)
 
+    def same_as(self, other: LinkSide) -> bool:
+        """Whether another link side has the same numbers."""
+        if self._tree is not other._tree:
+            mine, its = _arrays(self._tree), _arrays(other._tree)
+            if not all(np.array_equal(mine[name], its[name]) for name in mine):
+                return False
+        return bool(np.array_equal(self._gravity, other._gravity))
+
     def mass_matrix(self, q: ArrayLike) -> Array:
         """M(q) (..., n, n) [kg m^2] of q (..., n)."""
         (q_,) = self._columns(q)

@@ -15,7 +15,7 @@ from flexdyn.diagnose.data.sensors import corrected
 from flexdyn.diagnose.equations.layout import MOTOR, EquationLayout
 from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
 from flexdyn.diagnose.equations.rest import Rests
-from flexdyn.diagnose.equations.shared import same_links, same_signals
+from flexdyn.diagnose.equations.shared import LinkTorques, same_links, same_signals
 from flexdyn.diagnose.equations.terms import joint_terms, of_joint, spring_torque
 from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.diagnose.progress import check
@@ -25,6 +25,9 @@ from flexdyn.simulation.link_side import LinkSide
 
 Torques = tuple[Array | None, Array | None, Array | None]
 """In a joint's equations of the motor, of the link and of the torque sensor (samples,) each; None: nothing."""
+
+TORQUES_KEPT = 4
+"""Motions of each recording whose torques of the links are kept: behind each of two filters, of two models."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +50,12 @@ class Equations(EquationLayout):
     def motions(self) -> tuple[SmoothedMotion, ...]:
         """The smoothed motions, without the sensor effects of the model."""
         bases = self._bases or (None,) * len(self.smoothed)
-        return tuple(motion(self.links, *each) for each in zip(self.smoothed, bases, strict=True))
+        return tuple(motion(self.links, *each, self.torques) for each in zip(self.smoothed, bases, strict=True))
+
+    @lazy
+    def torques(self) -> LinkTorques:
+        """M a + h along motions that other models of the same data have, too."""
+        return LinkTorques(TORQUES_KEPT * len(self.data))
 
     @lazy
     def _bases(self) -> tuple[SmoothedMotion, ...]:
@@ -59,7 +67,13 @@ class Equations(EquationLayout):
         """The recordings after the first filter, without the sensor effects of the model."""
         return tuple(
             smoothed(
-                self.true, self.links, corrected(data, self.model), self.filters.first, rests, simulated=self.simulated
+                self.true,
+                self.links,
+                corrected(data, self.model),
+                self.filters.first,
+                rests,
+                simulated=self.simulated,
+                torques=self.torques,
             )
             for data, rests in zip(self.data, self.rests, strict=True)
         )
@@ -82,7 +96,7 @@ class Equations(EquationLayout):
         """The same data with another model; motions are shared if the models do not change them."""
         own = self.true.stiffness if self.stiffness is None else self.stiffness
         other = replace(self, model=model, stiffness=own)
-        other.__dict__["rests"] = self.rests
+        other.__dict__["rests"], other.__dict__["torques"] = self.rests, self.torques
         if not (self.made_up.any() or self.replayed.any()) and same_signals(self.model, model):
             other.__dict__["smoothed"] = self.smoothed
             if same_links(self.model, model):
@@ -95,7 +109,7 @@ class Equations(EquationLayout):
     def along(self, data: tuple[Measured, ...]) -> Equations:
         """The same model along other recordings of the same motion; motors rest where they did."""
         other = replace(self, data=data)
-        other.__dict__["rests"] = self.rests
+        other.__dict__["rests"], other.__dict__["torques"] = self.rests, self.torques
         return other
 
     def change(self, effects: Sequence[Effect]) -> Array:

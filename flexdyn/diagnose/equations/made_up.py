@@ -7,6 +7,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.rest import Rests
+from flexdyn.diagnose.equations.shared import LinkTorques
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import Backlash, HardeningSpring, JointEffect, SpringHysteresis
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -26,6 +27,7 @@ def made_up(
     data: Measured,
     kernel: GaussianSmoother,
     rests: Rests | None,
+    torques: LinkTorques,
 ) -> tuple[Array, Array]:
     """Link and rotor positions; missing ones are computed from the law of the transmission.
 
@@ -42,24 +44,27 @@ def made_up(
         data: the recording.
         kernel: the first filter.
         rests: where motors rest whose links are not measured; None: nowhere.
+        torques: of the links.
 
     Returns:
         Positions of links and of rotors after the filter, (samples, n) each [rad or m].
     """
     only_motor, only_link = model.elastic & ~data.has_q, model.elastic & ~data.has_theta
-    smooth_q, smooth_theta, smooth_tau = (kernel.apply(x, 0) for x in (q, theta, tau))
-    omega, alpha = kernel.apply(theta, 1), kernel.apply(theta, 2)
+    smooth_q, smooth_theta = kernel.apply(q, 0), kernel.apply(theta, 0)
     t = data.t[kernel.half : len(data.t) - kernel.half]
     total = np.zeros_like(smooth_q)
     if only_link.any() or rests:  # a joint without link encoder moves nearly like its rotor: q is theta there
         v, a = kernel.apply(q, 1), kernel.apply(q, 2)
-        total = links.inverse_dynamics(smooth_q, v, a)
+    if rests:
+        total = torques.of(links, smooth_q.copy(), v, a)
+    if only_motor.any():
+        omega, alpha, smooth_tau = kernel.apply(theta, 1), kernel.apply(theta, 2), kernel.apply(tau, 0)
     for j in np.flatnonzero(only_motor).tolist():
         rubbing = friction_of(model, j, "motor", smooth_theta[:, j], omega[:, j], t)
         carried = smooth_tau[:, j] - model.rotor_inertia[j] * alpha[:, j] - rubbing
         smooth_q[:, j] -= _wound(model, j, rests.instead(j, total[:, j], carried) if rests else carried)
     if only_link.any():
-        total = links.inverse_dynamics(smooth_q, v, a)
+        total = torques.of(links, smooth_q, v, a)
         for j in np.flatnonzero(only_link).tolist():
             rubbing = friction_of(model, j, "link", smooth_q[:, j], v[:, j], t)
             smooth_theta[:, j] = smooth_q[:, j] + _wound(model, j, total[:, j] + rubbing)

@@ -13,6 +13,7 @@ from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.made_up import made_up
 from flexdyn.diagnose.equations.rest import Rests
+from flexdyn.diagnose.equations.shared import LinkTorques
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.signals.kernels import GaussianSmoother
@@ -125,15 +126,18 @@ class SmoothedMotion(Smoothed):
         return {}
 
 
-def motion(links: LinkSide, signals: Smoothed, base: SmoothedMotion | None = None) -> SmoothedMotion:
+def motion(
+    links: LinkSide, signals: Smoothed, base: SmoothedMotion | None = None, torques: LinkTorques | None = None
+) -> SmoothedMotion:
     """The links' dynamics along smoothed signals.
 
     Args:
         links: the link side.
         signals: of one recording.
         base: motion of another model in the same recording, whose slopes are used if it is similar.
+        torques: of the links, as other models may have asked for them; None: none has.
     """
-    total = links.inverse_dynamics(signals.q, signals.v, signals.a)
+    total = (torques or LinkTorques(1)).of(links, signals.q, signals.v, signals.a)
     made = SmoothedMotion(**vars(signals), links=links, inverse_dynamics=total)
     return dataclasses.replace(made, near=base) if base is not None and _alike(made, base) else made
 
@@ -155,6 +159,7 @@ def smoothed(
     rests: Rests | None = None,
     *,
     simulated: bool = False,
+    torques: LinkTorques | None = None,
 ) -> Smoothed:
     """Smooth a recording.
 
@@ -165,6 +170,7 @@ def smoothed(
         kernel: the first filter.
         rests: where motors rest whose links are not measured; None: nowhere.
         simulated: whether all unmeasured links are simulated along the motion of their motors.
+        torques: of the links, as other models may have asked for them; None: none has.
 
     A joint with one encoder gets the other position from its own equation (`made_up`), or where its motion is
     prescribed by simulation (`replayed`); the whole motion is then filtered once more.
@@ -175,7 +181,8 @@ def smoothed(
     t, tau_s, lost, inner = data.t, data.tau_s, kernel.half, slice(kernel.half, -kernel.half)
     resting = rests.where if rests else np.zeros((len(t[inner]), model.n), dtype=bool)
     if (model.elastic & ~data.both).any():
-        q, theta = made_up(model, links, q, theta, tau, data, kernel, None if simulated else rests)
+        resting_links = None if simulated else rests
+        q, theta = made_up(model, links, q, theta, tau, data, kernel, resting_links, torques or LinkTorques(1))
         q = replayed(model, q, theta, data, t[inner], simulated)
         tau, tau_s = kernel.apply(tau, 0), kernel.apply(tau_s, 0)
     elif not data.both.all():  # as many samples as for an elastic joint
