@@ -193,3 +193,14 @@ def test_a_number_beyond_its_tolerance_is_a_finding_only_where_all_effects_have_
     effect = next(c for c, each in enumerate(answer.candidates) if each.number is None)
     nameless = dataclasses.replace(answer, names=(), genuine={effect: 0.5} if unnamed else {})
     assert [each.candidate for each in reported_names(nameless)] == ([] if unnamed else [inertia])
+
+
+def test_a_number_that_the_comparison_leaves_within_its_tolerance_is_no_finding(tmp_path: Path) -> None:
+    """The right inertia, and a fit that moved it far: small amounts of a law may have moved it, not the wheel."""
+    model = _wheel(tmp_path)
+    bare, noise, start = prepared(model, (measured(model, _turned(0.0)),))
+    answer = corrected(posterior(bare, noise, start), weighed(bare, noise))
+    assert not reported_names(answer)
+    moved = dataclasses.replace(answer.hypothesis, factors=dict.fromkeys(answer.hypothesis.factors, 2.0))
+    fitted = dataclasses.replace(answer.fitted, hypothesis=moved)
+    assert not reported_names(dataclasses.replace(answer, fitted=fitted))

@@ -19,6 +19,7 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
+from flexdyn.diagnose.inference.structure_model import factor_of
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Suspect
 from flexdyn.diagnose.report.words import effect_name, joined
@@ -51,7 +52,8 @@ def reported_names(found: Corrected) -> list[Name]:
 
     Numbers that came back into their tolerance, and lags of torques within one sample, are no findings. Numbers without
     a name are added only where the equations leave noise alone, and every effect of the best structure has a name:
-    otherwise such a number may imitate an effect that has none.
+    otherwise such a number may imitate an effect that has none. They must be beyond it also beside small amounts of
+    every law, as structures are compared.
     """
     own = [each for each in found.names if (n := found.candidates[each.candidate].number) is None or _beyond(found, n)]
     own = [each for each in own if not _is_within_a_sample(found, found.effect(each.candidate))]
@@ -85,9 +87,10 @@ def _beyond(found: Corrected, number: FileNumber) -> bool:
 
 
 def _beyond_by(found: Corrected, number: FileNumber) -> float:
-    """Standard deviations by which a number is out of its tolerance [1]; negative within it."""
-    off = abs(found.hypothesis.factors[number] - 1.0) - IN_TOLERANCE * number.tolerance
-    return float(off / max(found.fitted.factor_std()[number], 1e-300))
+    """Standard deviations by which a number is out of its tolerance [1], by the fit or, if less, by the comparison."""
+    fitted = found.hypothesis.factors[number], found.fitted.factor_std()[number]
+    compared = factor_of(found.space, found.masses.structures[0], number)
+    return min((abs(x - 1.0) - IN_TOLERANCE * number.tolerance) / max(std, 1e-300) for x, std in (fitted, compared))
 
 
 def _finding(model: FlexibleJointModel, found: Corrected, name: Name, gains: Mapping[int, float]) -> Finding:
