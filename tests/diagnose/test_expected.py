@@ -13,8 +13,11 @@ from flexdyn.diagnose.data.measured import Measured, measured
 from flexdyn.diagnose.equations.covariance import SampleNoise, coefficients, whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.expected import expected_data, spread
+from flexdyn.diagnose.equations.mask import sign_mask
+from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.number_columns import of_numbers
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.inference.weights import along_expected, for_fit, rows_of
 from flexdyn.model.uncertain_parameters import FileNumber, file_numbers
 
 SOFT = {"shoulder": {"stiffness": 400.0, "damping": 0.8}, "elbow": {"stiffness": 900.0, "damping": 0.5}}
@@ -48,21 +51,19 @@ def _noisy(data: Measured, noise: SampleNoise, rng: np.random.Generator) -> Meas
 
 
 def test_rows_say_of_samples_what_samples_do_to_rows(clean: tuple[Equations, SampleNoise]) -> None:
-    """``y . (A n) = (A^T y) . n`` with A n by computing the equations again; what A leaves out is below a percent."""
+    """``y . (A n) = (A^T y) . n`` for y = A n by computing the equations again; what A leaves out is little."""
     at, noise = clean
     rng, (data,), (along,) = np.random.default_rng(1), at.data, at.motions
     moved = dataclasses.replace(data, tau=data.tau + noise.tau * rng.normal(size=data.tau.shape))
     change = dataclasses.replace(at, data=(moved,)).residual - at.residual
-    y = rng.normal(size=(at.filters.count(len(along.t)), len(at.kinds)))
+    y = change.reshape(-1, len(at.kinds))
     samples = along.lost + at.filters.instants(len(along.t))
     back = sum(
         float(spread(at, channel, orders, y, samples, len(data.t)) @ (moved.tau - data.tau)[:, channel[1]])
         for channel, orders in coefficients(at, along).items()
         if channel[0] == "tau"
     )
-    assert back == pytest.approx(
-        float(y.ravel() @ change), abs=0.01 * float(np.linalg.norm(y) * np.linalg.norm(change))
-    )
+    assert back == pytest.approx(float(change @ change), rel=0.01)
 
 
 def _log_determinant(at: Equations, noise: SampleNoise, number: FileNumber, factor: float) -> float:
@@ -92,6 +93,67 @@ def test_products_of_slopes_and_residual_have_no_mean(clean: tuple[Equations, Sa
     assert abs(bias) > 10.0 * _error(recorded)
     assert np.mean(recorded) == pytest.approx(bias, abs=4.0 * _error(recorded) + 0.02 * abs(bias))
     assert abs(np.mean(expected)) < 0.15 * abs(bias)
+
+
+@pytest.fixture(scope="module")
+def stiff() -> fd.Recording:
+    """Both encoders of a stiff arm, without noise: deflections of 0.2 and 0.4 mrad."""
+    t = np.arange(2500) / 500
+    sway = 1.0 - np.cos(np.outer(t, [3.0, 9.0, 4.0]))
+    turns = np.stack([0.3 * sway[:, 0] + 0.1 * sway[:, 1], 1.5 + 0.4 * sway[:, 2]], axis=1)
+    run = fd.simulate(_stiff(1.0), fd.PD(fd.Samples(t, turns, "cubic"), kp=3000, kd=150), q0=turns[0])
+    return run.to_recording()
+
+
+def _stiff(factor: float) -> fd.FlexibleJointModel:
+    """Two stiff joints, whose stiffnesses in the file are wrong by a factor."""
+    joints = {name: {"stiffness": factor * K, "damping": 2.0} for name, K in (("shoulder", 27000.0), ("elbow", 4400.0))}
+    joints = {name: {**numbers, "rotor_inertia": 4e-5} for name, numbers in joints.items()}
+    return fd.load_model("scara_two_link").replace(joints=joints, effects=[], tolerance=0.1)
+
+
+def test_what_noise_does_to_rows_is_in_their_units(stiff: fd.Recording) -> None:
+    """The same by equation, for a hypothesis with a softer spring and a weaker motor than the file says."""
+    model = _stiff(1.0)
+    bare, _, _ = prepared(model, (measured(model, stiff),))
+    softer = {n: 0.7 for n in file_numbers(model) if n.parameter == "stiffness"}
+    weaker = fd.effects.TorqueConstantError("shoulder", gain=-0.4)
+    at = bare.equations.of(model.replace(effects=[weaker, *(n.error(x) for n, x in softer.items())]))
+    rng, (data,), (along,) = np.random.default_rng(1), at.data, at.motions
+    samples = along.lost + at.filters.instants(len(along.t))
+    for signal, size in (("q", 1e-6), ("theta", 1e-6), ("tau", 0.1)):
+        n = size * rng.normal(size=data.q.shape)
+        moved = dataclasses.replace(data, **{signal: getattr(data, signal) + n})
+        change = dataclasses.replace(at, data=(moved,)).residual - at.residual
+        y = change.reshape(-1, len(at.kinds))
+        back = np.zeros(len(at.kinds))  # by equation
+        for (kind, j), orders in coefficients(at, along).items():
+            for row in range(len(at.kinds)) if kind == signal else ():
+                own = {order: {row: terms[row]} for order, terms in orders.items() if row in terms}
+                back[row] += float(spread(at, (kind, j), own, y, samples, len(data.t)) @ n[:, j])
+        assert back == pytest.approx((y**2).sum(axis=0), rel=0.01, abs=0.0)
+
+
+def test_noise_of_both_encoders_biases_no_stiffness(stiff: fd.Recording) -> None:
+    """Without the expected motion, the mean error is 6.6 standard deviations."""
+    given, rng = _stiff(1.05), np.random.default_rng(3)
+    levels = {"q": 3e-5, "theta": 3e-5, "tau": 0.05}
+    names = [f"{signal}.{joint}" for signal in levels for joint in given.joint_names]
+    off = []
+    for _ in range(DRAWS // 10):
+        seen = {x: stiff[x] + rng.normal(0.0, levels[x.split(".")[0]], stiff.t.size) for x in names}
+        bare, noise, here = prepared(given, (measured(given, fd.Recording(stiff.t, seen)),))
+        mask = sign_mask(bare.equations, noise)
+        for _ in range(3):
+            at = bare.equations.of(here.model())
+            rows = rows_of(at, mask)
+            near, _ = along_expected(bare, weighed(bare, noise, mask, at=at), here, at, rows)
+            made = fit(here, for_fit(near, noise, mask, rows, here))
+            here = made.hypothesis
+        number = next(n for n in here.factors if n.of == "shoulder" and n.parameter == "stiffness")
+        off.append((here.factors[number] - 1.0 / 1.05) / made.factor_std()[number])
+    assert abs(np.mean(off)) < 1.5
+    assert np.std(off) < 2.0
 
 
 def _error(found: list[float]) -> float:

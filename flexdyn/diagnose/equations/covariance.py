@@ -106,15 +106,17 @@ def kernels_of(equations: Equations) -> dict[str, list[Array]]:
 
 
 def coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, dict[int, Terms]]:
-    """C by channel, order of derivative and equation; those that are zero are left out."""
+    """C by channel, order of derivative and equation, in units of its rows; those that are zero are left out."""
     M = along.M[equations.filters.instants(len(along.t))].transpose(1, 2, 0).copy()
     found: dict[Channel, dict[int, Terms]] = {}
     for row, (j, kind) in enumerate(equations.kinds):
         own = _own(equations, along, j, kind)
+        unit = {LINK: equations.softness, MOTOR: equations.gains, TOTAL: equations.gains}.get(kind, np.ones(j + 1))[j]
         for channel, order, value in (*own, *(_links(equations, along, M, j, kind) if kind in (LINK, TOTAL) else ())):
             if np.any(value):
                 rows = found.setdefault(channel, {}).setdefault(order, {})
-                rows[row] = rows.get(row, 0.0) + value
+                true = equations.gains[channel[1]] if channel[0] == "tau" else 1.0
+                rows[row] = rows.get(row, 0.0) + true / unit * value
     return found
 
 

@@ -80,6 +80,11 @@ class EquationLayout:
         return hidden_links(self.true, self.data[0])
 
     @property
+    def noisy(self) -> bool:
+        """Whether slopes contain much noise of their rows: no filter keeps encoders from ruling the links' equations."""
+        return bool((self.true.elastic & ~self.replayed).any())
+
+    @property
     def unmeasured(self) -> Flags:
         """Those whose links have no encoder (n,)."""
         return np.asarray(self.made_up & ~self.data[0].has_q)

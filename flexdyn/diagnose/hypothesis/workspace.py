@@ -132,7 +132,7 @@ def weighed(
     """
     equations = bare.equations
     mask = sign_mask(equations, noise) if mask is None else mask
-    whiten = whitener(at if at is not None and at.made_up.any() else equations, noise, mask, extra)
+    whiten = whitener(at if at is not None and at.noisy else equations, noise, mask, extra)
     sides = (name.partition(".") for name in bare.channels)
     levels = [getattr(noise, signal)[equations.true.index(joint)] for signal, _, joint in sides]
     sigma = np.append(2.0 * np.array(levels) + 1e-12, bare.states)

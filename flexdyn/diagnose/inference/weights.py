@@ -34,7 +34,7 @@ def along_expected(
 ) -> tuple[Unweighted, Workspace]:
     """Equations and weights with slopes along the motion that is expected, given what a hypothesis leaves.
 
-    Only where the noisy torque makes positions up: elsewhere the filters leave slopes hardly any noise.
+    Only where slopes contain much noise; those of rigid arms have hardly any behind the filters.
 
     Args:
         bare: equations of the model as given.
@@ -43,7 +43,7 @@ def along_expected(
         at: its equations.
         seen: rows that say something.
     """
-    if not at.made_up.any():
+    if not at.noisy:
         return bare, work
     scale = Discrepancy.of(work.white(at.residual), seen).scale
     along = bare.equations.along(expected_data(at, work.noise, work.whiten, scale))
@@ -81,7 +81,7 @@ def for_fit(
     plain = weighed(bare, noise, mask, at=at)
     error = error_of(plain, at.residual, seen)
     made = tempered(plain, error)
-    if not at.made_up.any():
+    if not at.noisy:
         return made
     return dataclasses.replace(made, anew=lambda at: tempered(weighed(bare, noise, mask, at=at), error))
 
