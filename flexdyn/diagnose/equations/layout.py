@@ -81,7 +81,7 @@ class EquationLayout:
 
     @property
     def noisy(self) -> bool:
-        """Whether slopes contain much noise of their rows: no filter keeps encoders from ruling the links' equations."""
+        """Whether slopes contain much noise of their rows: no filter keeps encoders from ruling links' equations."""
         return bool((self.true.elastic & ~self.replayed).any())
 
     @property
