@@ -177,6 +177,10 @@ class Effect:
         """Whether it changes nothing: every parameter named in `neutral` has its neutral value."""
         return bool(self.neutral) and all(getattr(self, key) == value for key, value in self.neutral.items())
 
+    def in_usual_range(self) -> Self:
+        """The same law with its numbers where they are usually given; by itself it has only one such form."""
+        return self
+
     @property
     def lateness(self) -> float:
         """Time by which it shifts a signal [s]; 0: it shifts none."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -26,6 +26,13 @@ class WaveEffect(Effect, abstract=True):
     amplitude: float = parameter("rad")
     harmonic: float = parameter("1")
     phase: float = parameter("rad")
+
+    def in_usual_range(self) -> Self:
+        """The amplitude is positive, and the phase between -pi and pi."""
+        turned = self.phase + (math.pi if self.amplitude < 0.0 else 0.0)
+        if self.amplitude >= 0.0 and abs(turned) <= math.pi:
+            return self
+        return self.replace(amplitude=abs(self.amplitude), phase=math.remainder(turned, 2.0 * math.pi))
 
     @classmethod
     def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:

@@ -17,8 +17,10 @@ from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.elsewhere import odds_by_fits
 from flexdyn.diagnose.inference.linearisation import Linearisation
 from flexdyn.diagnose.inference.passes import posterior
+from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.effects import CoulombFriction
+from flexdyn.errors import SimulationError
 from tests.diagnose.test_simulated import FORCE, LEVEL, LEVELS, MASS, RATE
 from tests.diagnose.truths import slider_model, slider_recording, sliding
 
@@ -36,9 +38,9 @@ def test_a_fit_tells_what_a_linearisation_only_promised(tmp_path: Path) -> None:
     assert same == pytest.approx(1.0, abs=0.05)
 
 
-def test_a_fit_begins_at_a_share_of_a_step_that_is_too_long(tmp_path: Path) -> None:
-    """The linear equations are made to promise six times the friction that is there: a fit must not begin there."""
-    model = slider_model(tmp_path)
+def _promising(folder: Path, level: float) -> tuple[Linearisation, Structure]:
+    """A linearisation whose equations are made to promise a level of friction, and the structure with it."""
+    model = slider_model(folder)
     x, _ = sliding(FORCE, 1.0 / RATE, MASS, LEVEL)
     bare, noise, start = prepared(model, (measured(model, slider_recording(x, FORCE, RATE, LEVELS, 0)),))
     near = Linearisation.of(bare, noise, sign_mask(bare.equations, noise), start, everything(bare.equations), None)
@@ -46,17 +48,33 @@ def test_a_fit_begins_at_a_share_of_a_step_that_is_too_long(tmp_path: Path) -> N
     each = enumerate(space.candidates)
     friction = next(c for c, one in each if one.kind == "coulomb_friction" and one.place["side"] == "motor")
     (column,) = space.candidates[friction].columns[0]
-    prior.mean[column], prior.precision[column] = 6.0 * LEVEL, 1e12
+    prior.mean[column], prior.precision[column] = level, 1e12
     one = np.ones(len(space.seen.count))
     space.under(Discrepancy(one, one, space.seen.count))
+    return near, frozenset({(friction, 0)})
+
+
+def test_a_fit_begins_at_a_share_of_a_step_that_is_too_long(tmp_path: Path) -> None:
+    """The linear equations are made to promise six times the friction that is there: a fit must not begin there."""
+    near, structure = _promising(tmp_path, 6.0 * LEVEL)
 
     def level(made: Fit) -> float:
         (effect,) = made.hypothesis.effects
         assert isinstance(effect, CoulombFriction)
         return effect.level
 
-    structure = frozenset({(friction, 0)})
-    promised = near.fitted(hypothesis_of(space, structure), 1)
+    promised = near.fitted(hypothesis_of(near.space, structure), 1)
     assert level(promised) == pytest.approx(6.0 * LEVEL, rel=1e-3)
     begun = near.best_fitted(structure, 1)
     assert level(begun) == pytest.approx(6.0 * LEVEL * SHORTENED_STEP**2, rel=1e-3)  # of all shares the nearest
+
+
+def test_a_fit_begins_where_it_is_if_no_share_of_a_step_is_finite(tmp_path: Path) -> None:
+    """A friction whose square overflows, and shares of it: the linearisation's own point is fitted."""
+    near, structure = _promising(tmp_path, 1e200)
+    with pytest.raises(SimulationError), np.errstate(over="ignore"):
+        near.fitted(hypothesis_of(near.space, structure), 1)
+    with np.errstate(over="ignore"):
+        begun = near.best_fitted(structure, 1)
+    assert not begun.hypothesis.effects
+    assert np.isfinite(begun.reached)

@@ -91,6 +91,26 @@ def test_a_column_is_what_the_effect_changes(effect: fd.effects.Effect, signals:
     assert np.linalg.norm(columns.of_effect(at, effect) - change) < near * np.linalg.norm(change)
 
 
+@pytest.mark.parametrize("channel", ["q.elbow", "theta.elbow"])
+@pytest.mark.parametrize(
+    "spring",
+    [
+        fd.effects.SpringHysteresis("elbow", stiffness=600.0, width=0.004),
+        fd.effects.HardeningSpring("elbow", cubic=5e7),
+    ],
+    ids=lambda effect: str(effect.name),
+)
+def test_an_encoders_error_bends_every_spring(spring: fd.effects.Effect, channel: str) -> None:
+    """The column of an eccentricity is what it changes where a transmission has another law than its stiffness."""
+    plain = equations(Levels(1e-6, 1e-3), 0, BOTH)
+    at = plain.of(plain.model.replace(effects=[*plain.model.effects, spring]))
+    wrong = fd.effects.EncoderEccentricity(channel, amplitude=1e-5, harmonic=2.0, phase=0.3)
+    change = at.of(at.model.replace(effects=[*at.model.effects, wrong])).residual - at.residual
+    assert np.linalg.norm(columns.of_effect(at, wrong) - change) < 0.01 * np.linalg.norm(change)
+    stiffness_alone = columns.of_effect(plain, wrong)
+    assert np.linalg.norm(stiffness_alone - change) > 0.05 * np.linalg.norm(change)
+
+
 @pytest.mark.parametrize("signals", [BOTH, MOTOR], ids=["both encoders", "motor"])
 def test_a_numbers_column_is_the_slope_of_the_residual(signals: tuple[str, ...]) -> None:
     """By central differences over the whole model, positions that are made up included."""

@@ -137,6 +137,21 @@ def test_deflections() -> None:
     np.testing.assert_allclose(error.deflection(delta, theta), bent, atol=1e-16)
 
 
+@pytest.mark.parametrize(("amplitude", "phase"), [(-0.5, 0.3), (-0.5, 2.9), (0.5, 1095.9), (0.5, -4.0), (0.5, 0.3)])
+def test_a_wave_has_one_form_in_the_usual_range(amplitude: float, phase: float) -> None:
+    """The same law, its amplitude positive and its phase within half a turn; a form in this range stays."""
+    wave = fd.effects.TorqueRipple("shoulder", amplitude=amplitude, harmonic=2.0, phase=phase)
+    usual = wave.in_usual_range()
+    theta = np.linspace(-4.0, 4.0, 201)
+    np.testing.assert_allclose(usual.torque(theta, 0.0, tau=0.0), wave.torque(theta, 0.0, tau=0.0), atol=1e-12)
+    assert usual.amplitude > 0.0
+    assert abs(usual.phase) <= np.pi
+    assert usual.in_usual_range() is usual
+    level = fd.effects.PositionDependentFriction("shoulder", side="motor", amplitude=0.5, harmonic=2.0, phase=phase)
+    same = level.in_usual_range().torque(theta, 1.0)
+    np.testing.assert_allclose(same, level.torque(theta, 1.0), atol=1e-12)
+
+
 def test_what_is_no_torque_says_what_to_use() -> None:
     """A payload, a delay, a law with memory, a sensor: one line each."""
     silent = {name for name in EXAMPLES if name not in LAWS}

@@ -161,14 +161,14 @@ class Equations(EquationLayout):
         acting = of_joint(self.true.all_effects, self.true.joint_names[j])
 
         def terms(along: SmoothedMotion) -> Torques:
-            wound = spring_torque(self.true, [*acting, effect], along, j) - self._spring(along, j)
+            wound = spring_torque(self.true, [*acting, effect], along, j) - self.spring(along, j)
             link, motor = wound.T.copy()
             return -motor, link, -link if along.data.both[j] or self.replayed[j] else None
 
         return self.of_terms(j, terms)
 
     @kept
-    def _spring(self, along: SmoothedMotion, j: int) -> Array:
+    def spring(self, along: SmoothedMotion, j: int) -> Array:
         """The torque in a transmission on the link, and on the rotor (samples, 2)."""
         return spring_torque(self.true, of_joint(self.true.all_effects, self.true.joint_names[j]), along, j)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from flexdyn.arrays import Array
@@ -9,6 +11,7 @@ from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import true_channel
 from flexdyn.diagnose.equations.equations import Equations, Torques
 from flexdyn.diagnose.equations.motion import SmoothedMotion
+from flexdyn.diagnose.equations.terms import of_joint, spring_torque
 from flexdyn.effects import ChannelLag, SensorEffect
 
 
@@ -53,13 +56,27 @@ def _moved(equations: Equations, along: SmoothedMotion, signal: str, j: int, wro
         rows += combined(along, None, -along.dragged(j, (d0, d1, d2)), None)
     if model.elastic[j]:
         rotor = -model.rotor_inertia[j] * d2 if signal == "theta" or alone else 0.0
-        bent = 0.0 * d0 if alone else sign * (model.stiffness[j] * d0 + model.damping[j] * d1)
-        rows += combined(along, rotor - bent, bent, -bent, only=j)
+        link, motor = (0.0 * d0, 0.0 * d0) if alone else _wound(equations, along, signal, j, d0, d1)
+        rows += combined(along, rotor - motor, link, -link, only=j)
     elif not alone:
         wound = np.zeros_like(along.q)
         wound[:, j] = sign * d0
         rows += combined(along, -sign * model.rotor_inertia[j] * d2, None, None, only=j, wound=wound)
     return rows
+
+
+def _wound(
+    equations: Equations, along: SmoothedMotion, signal: str, j: int, d0: Array, d1: Array
+) -> tuple[Array, Array]:
+    """Change of the spring's torque on the link, and on the rotor (samples,), by changes of a position and its rate."""
+    names, changed = ("theta", "omega") if signal == "theta" else ("q", "v"), {}
+    for name, change in zip(names, (d0, d1), strict=True):
+        changed[name] = getattr(along, name).copy()
+        changed[name][:, j] += change
+    acting = of_joint(equations.true.all_effects, equations.true.joint_names[j])
+    moved = spring_torque(equations.true, acting, dataclasses.replace(along, **changed), j)
+    link, motor = (moved - equations.spring(along, j)).T.copy()
+    return link, motor
 
 
 def _smoothed(equations: Equations, along: SmoothedMotion, x: Array, order: int) -> Array:

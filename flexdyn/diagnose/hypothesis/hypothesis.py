@@ -81,7 +81,7 @@ def moved(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hyp
     changes: dict[Effect, dict[str, float]] = {}
     for (effect, name), dx, scale in zip(hypothesis.unknowns(), step[len(factors) :], scales, strict=False):
         changes.setdefault(effect, {})[name] = bounded(effect, name, float(dx) * scale)
-    effects = tuple(e.replace(**changes.get(e, {})) for e in hypothesis.effects)
+    effects = tuple(e.replace(**changes.get(e, {})).in_usual_range() for e in hypothesis.effects)
     return dataclasses.replace(hypothesis, factors=factors, effects=effects)
 
 

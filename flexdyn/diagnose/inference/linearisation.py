@@ -90,7 +90,8 @@ class Linearisation:
         """The fit of a structure, from its coefficients in the linear equations.
 
         Where the equations are far from linear, these promise too much, and a fit from there ends less likely than the
-        linearisation's own point. It is then begun anew from a share of the step. The more likely fit counts.
+        linearisation's own point, or has no finite equations to begin with. It is then begun anew from a share of the
+        step. The more likely fit counts; if there is none, that of the linearisation's own point.
 
         Args:
             structure: of the space.
@@ -98,11 +99,19 @@ class Linearisation:
             whole: see `hypothesis_of`.
         """
         space, here = self.space, self.space.library.start
-        made = self.fitted(hypothesis_of(space, structure, whole=whole), steps)
-        if log_density(space, made) > self._log_density(here) - OCCAM_WINDOW:
+        made = self._fitted_if_finite(hypothesis_of(space, structure, whole=whole), steps)
+        if made is not None and log_density(space, made) > self._log_density(here) - OCCAM_WINDOW:
             return made
-        other = self.fitted(self._shortened(structure, whole=whole), steps)
-        return max(made, other, key=lambda each: log_density(space, each))
+        other = self._fitted_if_finite(self._shortened(structure, whole=whole), steps)
+        fits = [each for each in (made, other) if each is not None]
+        return max(fits, key=lambda each: log_density(space, each)) if fits else self.fitted(here, steps)
+
+    def _fitted_if_finite(self, there: Hypothesis, steps: int) -> Fit | None:
+        """The fit of a hypothesis; None where its equations are not finite."""
+        try:
+            return self.fitted(there, steps)
+        except SimulationError:
+            return None
 
     def _shortened(self, structure: Structure, *, whole: bool) -> Hypothesis:
         """First values of a structure: shares of its step are tried as long as each is more likely than the last."""

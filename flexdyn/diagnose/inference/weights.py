@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.abreast import SILENT
 from flexdyn.diagnose.data.filters import FIRST_FILTER_WIDTH, Filters
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
@@ -18,6 +19,7 @@ from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.whitening import Tempered
+from flexdyn.errors import SimulationError
 
 
 def quieter(recorded: SampleNoise, at: Equations, mask: Flags) -> SampleNoise:
@@ -76,10 +78,16 @@ def for_fit(
         mask: rows that are not used (rows,).
         seen: rows that say something.
         there: the hypothesis.
+
+    Raises:
+        SimulationError: its equations are not finite.
     """
     at = bare.equations.of(there.model())
-    plain = weighed(bare, noise, mask, at=at)
-    error = error_of(plain, at.residual, seen)
+    with SILENT():
+        plain = weighed(bare, noise, mask, at=at)
+        error = error_of(plain, at.residual, seen)
+    if not np.isfinite(error.scale).all():
+        raise SimulationError("the equations are not finite along the measured motion", reason="overflow")
     made = tempered(plain, error)
     if not at.noisy:
         return made
