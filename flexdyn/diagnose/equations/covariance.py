@@ -15,6 +15,7 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.hidden_links import hidden_links_error, noise_of_vibration
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION
 from flexdyn.diagnose.equations.motion import SmoothedMotion
+from flexdyn.diagnose.equations.terms import of_joint, torque_slope
 
 Coefficient = float | Array
 """One number, or one for each time (times,)."""
@@ -109,15 +110,24 @@ def coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, d
     """C by channel, order of derivative and equation, in units of its rows; those that are zero are left out."""
     M = along.M[equations.filters.instants(len(along.t))].transpose(1, 2, 0).copy()
     found: dict[Channel, dict[int, Terms]] = {}
+    # Positions that are made up from a limited torque are right to first order only: they err by as much as its noise.
+    exact = not equations.made_up.any()
+    given = [gain * (passed_torque(equations, along, i) if exact else 1.0) for i, gain in enumerate(equations.gains)]
     for row, (j, kind) in enumerate(equations.kinds):
         own = _own(equations, along, j, kind)
         unit = {LINK: equations.softness, MOTOR: equations.gains, TOTAL: equations.gains}.get(kind, np.ones(j + 1))[j]
         for channel, order, value in (*own, *(_links(equations, along, M, j, kind) if kind in (LINK, TOTAL) else ())):
             if np.any(value):
                 rows = found.setdefault(channel, {}).setdefault(order, {})
-                true = equations.gains[channel[1]] if channel[0] == "tau" else 1.0
+                true = given[channel[1]] if channel[0] == "tau" else 1.0
                 rows[row] = rows.get(row, 0.0) + true / unit * value
     return found
+
+
+def passed_torque(equations: Equations, along: SmoothedMotion, j: int) -> Coefficient:
+    """How much of the recorded torque's noise a motor's limits pass: root mean square over a row's filter (times,)."""
+    slope = torque_slope(of_joint(equations.true.all_effects, equations.true.joint_names[j]), along, j)
+    return 1.0 if slope is None else np.sqrt(np.maximum(equations.filters.rows(slope**2), 0.0))
 
 
 def _own(equations: Equations, along: SmoothedMotion, j: int, kind: str) -> Iterator[tuple[Channel, int, Coefficient]]:
@@ -205,12 +215,19 @@ def _correlation(a: Array, b: Array, shift: int) -> float:
     return float(a[ha + start : ha + stop] @ b[hb + start + shift : hb + stop + shift])
 
 
+def freest(equations: Equations, along: SmoothedMotion, j: int) -> Flags:
+    """Rows in which a motor's limits pass most of the noise of its torque (times,)."""
+    times = equations.filters.count(len(along.t))
+    power = np.broadcast_to(np.asarray(passed_torque(equations, along, j)) ** 2, times)
+    return np.asarray(power >= 0.5 * power.max())
+
+
 def variances(
     equations: Equations, noise: SampleNoise, row: int, j: int, *, second: bool = True
 ) -> tuple[float, float]:
     """Variance of one equation's rows from all channels except tau_j, and from tau_j with unit variance.
 
-    It is evaluated at the middle of the first recording.
+    It is the median over the rows of the first recording in which the motor's limits pass most of the torque's noise.
 
     Args:
         equations: that have the rows.
@@ -223,14 +240,15 @@ def variances(
     along = equations.motions[0]
     every = equations.filters.every
     weights = {-2: 1.0, -1: -4.0, 0: 6.0, 1: -4.0, 2: 1.0} if second else {0: 1.0}
-    totals = [0.0, 0.0]
+    totals, free = [0.0, 0.0], freest(equations, along, j)
     for (signal, i), orders in coefficients(equations, along).items():
         mine = signal == "tau" and i == j
         variance = 1.0 if mine else float(getattr(noise, signal)[i]) ** 2
         group = kernels["position" if signal in ("q", "theta") else signal]
         for o, later in orders.items():
             for p, now in orders.items():
-                size = float(np.median(later.get(row, 0.0) * now.get(row, 0.0))) * variance
+                products = np.broadcast_to(later.get(row, 0.0) * now.get(row, 0.0), free.shape)
+                size = float(np.median(products[free])) * variance
                 R = sum(w * _correlation(group[o], group[p], lag * every) for lag, w in weights.items())
                 totals[mine] += size * R
     return totals[0], totals[1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +28,39 @@ SHARED_MOTION_SHARE, SHARED_TORQUE_SHARE = 0.01, 0.1
 
 
 @dataclass(frozen=True, eq=False)
+class HeldTorque:
+    """The recorded torques before any filter, held from each sample to the next.
+
+    Attributes:
+        tau: (samples of the recording, n).
+        kernel: the first filter.
+        passes: how often a torque passes it.
+    """
+
+    tau: Array
+    kernel: GaussianSmoother
+    passes: int
+
+    def through(self, law: Callable[[Array], Array], j: int, many: int) -> Array:
+        """A motor's torque after a law, smoothed as the recorded torque is (many,).
+
+        A limit acts on the held torque: of a smoothed one it would leave another torque wherever the command jumps.
+
+        Args:
+            law: the torque after it (samples of the recording,) of that before it.
+            j: the joint.
+            many: samples that are wanted, the middle ones.
+        """
+        after = self.tau[:, j]
+        before = np.concatenate([after[:1], after[:-1]])
+        x = 0.5 * (law(before) + law(after))
+        for _ in range(self.passes):
+            x = self.kernel.apply(x, 0)
+        spare = (len(x) - many) // 2
+        return x[spare : spare + many]
+
+
+@dataclass(frozen=True, eq=False)
 class Smoothed:
     """Signals after the first filter, at the full rate, one column for each joint.
 
@@ -41,6 +74,7 @@ class Smoothed:
         data: the channels before the filter, without sensor effects.
         lost: number of samples of `data` before the first one here.
         resting: where motors rest whose links are not measured (samples, n).
+        held: tau before the filter; None: it was never recorded.
     """
 
     t: Array
@@ -56,6 +90,7 @@ class Smoothed:
     data: Measured
     lost: int
     resting: Flags
+    held: HeldTorque | None
 
     @property
     def delta(self) -> Array:
@@ -180,7 +215,9 @@ def smoothed(
     tau = centred(data.tau)
     t, tau_s, lost, inner = data.t, data.tau_s, kernel.half, slice(kernel.half, -kernel.half)
     resting = rests.where if rests else np.zeros((len(t[inner]), model.n), dtype=bool)
-    if (model.elastic & ~data.both).any():
+    twice = bool((model.elastic & ~data.both).any())
+    held = HeldTorque(data.tau, kernel, 1 + twice)
+    if twice:
         resting_links = None if simulated else rests
         q, theta = made_up(model, links, q, theta, tau, data, kernel, resting_links, torques or LinkTorques(1))
         q = replayed(model, q, theta, data, t[inner], simulated)
@@ -192,7 +229,7 @@ def smoothed(
     own = {name: kernel.apply(q, order) for order, name in enumerate(("q", "v", "a"))}
     own |= {name: kernel.apply(theta, order) for order, name in enumerate(("theta", "omega", "alpha"))}
     own |= {"tau": kernel.apply(tau, 0), "tau_s": kernel.apply(tau_s, 0)}
-    return Smoothed(t=t[inner], dt=data.dt, **own, data=data, lost=lost, resting=resting)
+    return Smoothed(t=t[inner], dt=data.dt, **own, data=data, lost=lost, resting=resting, held=held)
 
 
 def replayed(

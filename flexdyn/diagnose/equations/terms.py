@@ -21,6 +21,9 @@ from flexdyn.effects import (
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot.axes import joint_row
 
+SLOPE_STEP = 1e-6
+"""Step of the differences of a torque, as a share of its largest value [1]."""
+
 
 def of_joint(effects: Iterable[Effect], joint: str) -> list[JointEffect]:
     """Effects with a law along the motion that act on a joint."""
@@ -28,14 +31,36 @@ def of_joint(effects: Iterable[Effect], joint: str) -> list[JointEffect]:
 
 
 def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array:
-    """tau_applied (samples,): the actuator effects act on the commanded torque one after the other."""
+    """tau_applied (samples,): the actuator effects act on the commanded torque one after the other.
+
+    What bends the torque acts before the filters, where it was recorded.
+    """
+    acting = sorted((e for e in effects if e.stage == "actuator"), key=lambda e: e.order)
+    late = any(isinstance(each, CommandDelay) for each in acting)
+    if motion.held is None or late or not any(each.of_recorded_torque for each in acting):
+        return _after(acting, motion.t, motion.theta[:, j], motion.omega[:, j], motion.tau[:, j])
+    theta, omega = (np.pad(x[:, j], motion.lost, mode="edge") for x in (motion.theta, motion.omega))
+    return motion.held.through(lambda tau: _after(acting, motion.data.t, theta, omega, tau), j, len(motion.t))
+
+
+def torque_slope(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array | None:
+    """Slope of tau_applied over tau (samples,) [1], by differences; None: no effect bends the torque, and it is 1."""
+    acting = sorted((e for e in effects if e.stage == "actuator" and e.of_recorded_torque), key=lambda e: e.order)
+    if not acting:
+        return None
     tau = motion.tau[:, j]
-    acting = [e for e in effects if e.stage == "actuator"]
-    for effect in sorted(acting, key=lambda e: e.order):
+    step = SLOPE_STEP * max(float(np.abs(tau).max()), 1e-300)
+    above, below = (_after(acting, motion.t, motion.theta[:, j], motion.omega[:, j], tau + x) for x in (step, -step))
+    return np.asarray((above - below) / (2.0 * step))
+
+
+def _after(acting: Sequence[JointEffect], t: Array, theta: Array, omega: Array, tau: Array) -> Array:
+    """A torque after some effects, one after the other (samples,)."""
+    for effect in acting:
         if isinstance(effect, CommandDelay):
-            tau = np.interp(motion.t - effect.delay, motion.t, tau)
+            tau = np.interp(t - effect.delay, t, tau)
         else:
-            tau = torque_of(effect, motion.theta[:, j], motion.omega[:, j], t=motion.t, tau=tau)
+            tau = torque_of(effect, theta, omega, t=t, tau=tau)
     return tau
 
 

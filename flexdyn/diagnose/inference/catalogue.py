@@ -96,6 +96,6 @@ def _on_the_way(equations: Equations, effect: JointEffect, along: SmoothedMotion
     """What an effect does to a torque on its way to the rotor (samples,)."""
     tau = along.tau.copy()
     tau[:, j] = equations.needed(along, j)
-    asked = replace(along, tau=tau)
+    asked = replace(along, tau=tau, held=None)
     acting = of_joint(equations.true.all_effects, effect.joint)
     return applied_torque([*acting, effect], asked, j) - applied_torque(acting, asked, j)
