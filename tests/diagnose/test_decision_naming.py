@@ -50,6 +50,15 @@ def test_what_shares_the_probability_is_a_rival() -> None:
     assert names(two_will_do, frozenset({1, 9}))[0].rivals == (2,)
 
 
+def test_what_may_be_an_imitation_needs_more_rivals() -> None:
+    """Alone it is there with 0.96, but genuine with 0.97 only; one of two is there with 0.99."""
+    masses = _masses({(1,): 0.96, (2,): 0.03, (): 0.01})
+    assert names(masses, frozenset({1}))[0].rivals == ()
+    (name,) = names(masses, frozenset({1}), {1: 0.97})
+    assert name.rivals == (2,)
+    assert name.probability == pytest.approx(0.99 * 0.97)
+
+
 def test_what_may_be_nothing_at_all_is_not_established() -> None:
     """Sets that hold nothing in its place have a tenth of the mass."""
     (name,) = names(_masses({(1,): 0.9, (): 0.1}), frozenset({1}))

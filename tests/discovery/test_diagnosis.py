@@ -24,6 +24,9 @@ CASES = [
 
 
 MORE = [
+    ("pair", 119001, 3, "a payload on an arm whose motor is at its limit"),
+    ("triple", 118001, 4, "a wrong mass beside a hysteresis spring and a limit"),
+    ("hard", 120001, 1, "backlash under ten times the noise"),
     ("single", 3, 3, "Coulomb friction on a link"),
     ("single", 3, 5, "Stribeck friction on a motor"),
     ("single", 5, 26, "a hardening spring"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from flexdyn.diagnose.decision.masses import Masses, Set
 from flexdyn.diagnose.report.suspects import ESTABLISHED
@@ -50,21 +50,21 @@ def names(
         of: candidates of the set to be named; None: all.
         stands_in: whether a candidate may be a rival.
     """
-    found = [_named(masses, best, c, stands_in) for c in sorted(best if of is None else of)]
-    return [replace(each, probability=each.probability * (genuine or {}).get(each.candidate, 1.0)) for each in found]
+    own = genuine or {}
+    return [_named(masses, best, c, own.get(c, 1.0), stands_in) for c in sorted(best if of is None else of)]
 
 
-def _named(masses: Masses, best: Set, candidate: int, stands_in: Callable[[int], bool]) -> Name:
+def _named(masses: Masses, best: Set, candidate: int, genuine: float, stands_in: Callable[[int], bool]) -> Name:
     """One candidate, with rivals until together they are established, or there are none left."""
     rivals: list[int] = []
     together = masses.of_any([candidate])
-    while together < ESTABLISHED:
+    while together * genuine < ESTABLISHED:
         more = standing_in(masses, best, {candidate, *rivals}, stands_in)
         if not more:
             break
         rivals.append(min(more, key=lambda c: (-more[c], c)))
         together = masses.of_any([candidate, *rivals])
-    return Name(candidate, tuple(rivals), together)
+    return Name(candidate, tuple(rivals), together * genuine)
 
 
 def standing_in(

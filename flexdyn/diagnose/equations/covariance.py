@@ -136,7 +136,7 @@ def _own(equations: Equations, along: SmoothedMotion, j: int, kind: str) -> Iter
     K, D = model.stiffness[j], model.damping[j]
     if kind in (MOTOR, TOTAL):
         yield ("tau", j), 0, 1.0
-        yield ("theta" if along.data.has_theta[j] else "q", j), 1, -equations.back_emf(j)
+        yield ("theta" if along.data.has_theta[j] else "q", j), 1, -sum(law.back_emf for law in equations.motors[j])
     if kind == SENSOR:
         yield ("tau_s", j), 0, 1.0
     bent = {MOTOR: (-K, -D), LINK: (K, D), TRANSMISSION: (1.0,), SENSOR: (-K,) if model.elastic[j] else ()}

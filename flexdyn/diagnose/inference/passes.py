@@ -86,6 +86,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
     here = _in_tolerance(_numbers_alone(bare, noise, mask, start), start)
     first: Library | None = None
     compared: list[Places] = []
+    passed: set[tuple[Places, Places]] = set()
     for k in range(MOST_PASSES):
         tell(f"comparing structures: pass {k + 1} of at most {MOST_PASSES}", 0.05 + 0.6 * k / MOST_PASSES)
         near = Linearisation.of(bare, noise, mask, here, own, first)
@@ -97,10 +98,12 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         if bare.equations.simulated or (bare.equations.made_up.any() and best != stands):
             chosen = best_by_fits if bare.equations.simulated else best_where_not_linear
             best = chosen(space, best, near.fitted(hypothesis_of(space, stands), PASS_STEPS), stands)
-        places = frozenset(identity(space.candidates[c]) for c, _ in best)
+        places, at = (frozenset(identity(space.candidates[c]) for c, _ in each) for each in (best, stands))
         # Where the file's numbers are far off, nothing may look worth adding: only a fit's linearisation can say that.
         stays = k > 0 and _nonlinear(space, best) == _nonlinear(space, stands)
-        settled = stays or (k > 0 and places in compared)
+        # A structure that comes again counts where it comes from the same one: weights and slopes follow what stands.
+        settled = stays or (at, places) in passed
+        passed.add((at, places))
         earlier = () if stays else other_linearisations(compared, places)
         compared.append(places)
         if settled or k == MOST_PASSES - 1:
