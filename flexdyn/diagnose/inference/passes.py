@@ -102,7 +102,8 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         # Where the file's numbers are far off, nothing may look worth adding: only a fit's linearisation can say that.
         stays = k > 0 and _nonlinear(space, best) == _nonlinear(space, stands)
         # A structure that comes again counts where it comes from the same one: weights and slopes follow what stands.
-        settled = stays or (at, places) in passed
+        # Fits of links that are simulated often stall; there it counts at once.
+        settled = stays or (places in compared if bare.equations.replayed.any() else (at, places) in passed)
         passed.add((at, places))
         earlier = () if stays else other_linearisations(compared, places)
         compared.append(places)
