@@ -12,7 +12,7 @@ from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.covariance import coefficients, passed_torque, whitener
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.equations.motion import centred
+from flexdyn.diagnose.equations.held_torque import centred
 from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.equations.terms import applied_torque, of_joint, torque_slope
 from tests.arms import two_link

@@ -115,7 +115,7 @@ def coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, d
     given = [gain * (passed_torque(equations, along, i) if exact else 1.0) for i, gain in enumerate(equations.gains)]
     for row, (j, kind) in enumerate(equations.kinds):
         own = _own(equations, along, j, kind)
-        unit = {LINK: equations.softness, MOTOR: equations.gains, TOTAL: equations.gains}.get(kind, np.ones(j + 1))[j]
+        unit = {LINK: equations.softness[j], MOTOR: equations.gains[j], TOTAL: equations.gains[j]}.get(kind, 1.0)
         for channel, order, value in (*own, *(_links(equations, along, M, j, kind) if kind in (LINK, TOTAL) else ())):
             if np.any(value):
                 rows = found.setdefault(channel, {}).setdefault(order, {})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.equations.held_torque import HeldTorque, centred
 from flexdyn.diagnose.equations.made_up import made_up
 from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.equations.shared import LinkTorques
@@ -25,39 +26,6 @@ DYNAMICS_STEP = 1e-5
 """Step of the differences of h [rad and rad/s, or m and m/s]."""
 SHARED_MOTION_SHARE, SHARED_TORQUE_SHARE = 0.01, 0.1
 """Slopes of h are shared if motions, and their torques, differ by less than these shares of their ranges [1]."""
-
-
-@dataclass(frozen=True, eq=False)
-class HeldTorque:
-    """The recorded torques before any filter, held from each sample to the next.
-
-    Attributes:
-        tau: (samples of the recording, n).
-        kernel: the first filter.
-        passes: how often a torque passes it.
-    """
-
-    tau: Array
-    kernel: GaussianSmoother
-    passes: int
-
-    def through(self, law: Callable[[Array], Array], j: int, many: int) -> Array:
-        """A motor's torque after a law, smoothed as the recorded torque is (many,).
-
-        A limit acts on the held torque: of a smoothed one it would leave another torque wherever the command jumps.
-
-        Args:
-            law: the torque after it (samples of the recording,) of that before it.
-            j: the joint.
-            many: samples that are wanted, the middle ones.
-        """
-        after = self.tau[:, j]
-        before = np.concatenate([after[:1], after[:-1]])
-        x = 0.5 * (law(before) + law(after))
-        for _ in range(self.passes):
-            x = self.kernel.apply(x, 0)
-        spare = (len(x) - many) // 2
-        return x[spare : spare + many]
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,10 +234,3 @@ def hidden_links(model: FlexibleJointModel, data: Measured) -> Flags:
 def unmeasured_links(model: FlexibleJointModel, data: Measured) -> Flags:
     """Elastic joints whose motors have an encoder and whose links have none (n,)."""
     return np.asarray(model.elastic & data.has_theta & ~data.has_q)
-
-
-def centred(tau: Array) -> Array:
-    """A torque that is held from each sample to the next, at the samples: the mean of the values before and after."""
-    mean = tau.copy()
-    mean[1:] = 0.5 * (tau[1:] + tau[:-1])
-    return mean
