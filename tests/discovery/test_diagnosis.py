@@ -24,7 +24,6 @@ CASES = [
 
 
 MORE = [
-    ("pair", 119001, 3, "a payload on an arm whose motor is at its limit"),
     ("triple", 118001, 4, "a wrong mass beside a hysteresis spring and a limit"),
     ("hard", 120001, 1, "backlash under ten times the noise"),
     ("single", 3, 3, "Coulomb friction on a link"),
@@ -74,6 +73,17 @@ def test_a_payload_and_a_heavier_tool_are_one_law(tmp_path: Path) -> None:
     (finding,) = found["findings"]
     assert finding["effect"] == "payload"
     assert "link_mass" in [each["parameter"] for each in finding["indistinguishable_from"]]
+
+
+@pytest.mark.slow
+def test_a_payload_on_an_arm_whose_motor_is_at_its_limit(tmp_path: Path) -> None:
+    """The limit cuts the noise of the torque for half of the time; beside it "payload or heavier tool" is told."""
+    found, truth = diagnosed("pair", 119001, 3, tmp_path)
+    assert outcome(truth, found) == "half", (found["findings"], truth["hidden"])
+    limit, payload = sorted(found["findings"], key=lambda each: bool(each["indistinguishable_from"]))
+    assert limit["effect"] == "torque_speed_limit"
+    assert payload["effect"] == "payload"
+    assert [each["parameter"] for each in payload["indistinguishable_from"]] == ["link_mass"]
 
 
 @pytest.mark.slow
