@@ -178,7 +178,7 @@ class Effect:
         return bool(self.neutral) and all(getattr(self, key) == value for key, value in self.neutral.items())
 
     def in_usual_range(self) -> Self:
-        """The same law with its numbers where they are usually given; by itself it has only one such form."""
+        """The same law with its numbers in their usual range: most laws have one form only."""
         return self
 
     @property

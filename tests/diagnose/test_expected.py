@@ -51,7 +51,7 @@ def _noisy(data: Measured, noise: SampleNoise, rng: np.random.Generator) -> Meas
 
 
 def test_rows_say_of_samples_what_samples_do_to_rows(clean: tuple[Equations, SampleNoise]) -> None:
-    """``y . (A n) = (A^T y) . n`` for y = A n by computing the equations again; what A leaves out is little."""
+    """``y . (A n) = (A^T y) . n`` for y = A n by computing the equations again, to a percent."""
     at, noise = clean
     rng, (data,), (along,) = np.random.default_rng(1), at.data, at.motions
     moved = dataclasses.replace(data, tau=data.tau + noise.tau * rng.normal(size=data.tau.shape))

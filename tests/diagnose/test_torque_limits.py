@@ -67,6 +67,16 @@ def test_the_noise_of_a_limited_torque_is_that_of_its_free_rows() -> None:
     np.testing.assert_allclose(found, LEVELS.torque, rtol=0.15)
 
 
+def test_a_limit_behind_a_gain_acts_on_the_torque_after_it() -> None:
+    """With twice the recorded torque the limit is reached at half of it, and what is passed has the slope 2."""
+    (along,) = _limited(_slow(), 0).motions
+    slope = torque_slope([LIMIT, fd.effects.TorqueConstantError("elbow", gain=1.0)], along, 1)
+    assert slope is not None
+    size = np.abs(along.tau[:, 1])
+    np.testing.assert_allclose(slope[size < 0.44], 2.0, rtol=1e-6)
+    np.testing.assert_allclose(slope[size > 0.46], 0.0, atol=1e-3)
+
+
 def test_rows_behind_a_limit_are_white_with_the_noise_that_it_passes() -> None:
     """The same variance whether the limit acts or not; without its slope, limited rows would have hardly any."""
     at = _limited(_slow(), 2)

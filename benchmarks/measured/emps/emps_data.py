@@ -145,7 +145,7 @@ def inverse(model: fd.FlexibleJointModel, record: fd.Recording) -> Inverse:
     true, data = model.resolved(), measured(model, record)
     q, v, a = _motion(data.theta, data.dt)
     rests = np.zeros(q.shape, dtype=np.bool_)
-    seen = Smoothed(data.t, data.dt, q, v, a, q, v, a, data.tau, np.zeros_like(q), data, 0, rests, None)
+    seen = Smoothed(data.t, data.dt, q, v, a, q, v, a, data.tau, np.zeros_like(q), data, 0, rests, held=None)
     along = motion(fd.LinkSide(true), seen)
     terms = joint_terms(true, true.all_effects, along, 0)
     missing = terms.motor + terms.link - along.inverse_dynamics[:, 0]

@@ -61,12 +61,19 @@ def reported_names(found: Corrected) -> list[Name]:
     unnamed = {c for c in found.genuine if c not in named and found.candidates[c].number is None}
     if not found.explained or unnamed or found.fitted.block:  # fits to windows displace numbers
         return own
+    std = found.fitted.factor_std()
     for c, candidate in enumerate(found.candidates):
-        if candidate.number is not None and c not in named:
-            deviation = _beyond_by(found, candidate.number)
-            probability = float(ndtr(deviation)) * found.genuine.get(c, 1.0)
-            if probability >= ESTABLISHED and deviation >= least_deviation(found.space.log_odds(c)):
-                own.append(Name(c, (), probability))
+        number = candidate.number
+        if number is None or c in named:
+            continue
+        least = least_deviation(found.space.log_odds(c))
+        deviation = _beyond_by(number, found.hypothesis.factors[number], std[number])
+        if deviation >= least:
+            compared = factor_of(found.space, found.masses.structures[0], number)
+            deviation = min(deviation, _beyond_by(number, *compared))
+        probability = float(ndtr(deviation)) * found.genuine.get(c, 1.0)
+        if probability >= ESTABLISHED and deviation >= least:
+            own.append(Name(c, (), probability))
     return own
 
 
@@ -86,11 +93,9 @@ def _beyond(found: Corrected, number: FileNumber) -> bool:
     return abs(found.hypothesis.factors[number] - 1.0) > IN_TOLERANCE * number.tolerance
 
 
-def _beyond_by(found: Corrected, number: FileNumber) -> float:
-    """Standard deviations by which a number is out of its tolerance [1], by the fit or, if less, by the comparison."""
-    fitted = found.hypothesis.factors[number], found.fitted.factor_std()[number]
-    compared = factor_of(found.space, found.masses.structures[0], number)
-    return min((abs(x - 1.0) - IN_TOLERANCE * number.tolerance) / max(std, 1e-300) for x, std in (fitted, compared))
+def _beyond_by(number: FileNumber, factor: float, std: float) -> float:
+    """Standard deviations of its factor by which a number is out of its tolerance [1]; negative within it."""
+    return (abs(factor - 1.0) - IN_TOLERANCE * number.tolerance) / max(std, 1e-300)
 
 
 def _finding(model: FlexibleJointModel, found: Corrected, name: Name, gains: Mapping[int, float]) -> Finding:

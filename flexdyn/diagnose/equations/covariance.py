@@ -112,7 +112,7 @@ def coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, d
     found: dict[Channel, dict[int, Terms]] = {}
     # Positions that are made up from a limited torque are right to first order only: they err by as much as its noise.
     exact = not equations.made_up.any()
-    given = [gain * (passed_torque(equations, along, i) if exact else 1.0) for i, gain in enumerate(equations.gains)]
+    given = [passed_torque(equations, along, i) if exact else gain for i, gain in enumerate(equations.gains)]
     for row, (j, kind) in enumerate(equations.kinds):
         own = _own(equations, along, j, kind)
         unit = {LINK: equations.softness[j], MOTOR: equations.gains[j], TOTAL: equations.gains[j]}.get(kind, 1.0)
@@ -125,9 +125,14 @@ def coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, d
 
 
 def passed_torque(equations: Equations, along: SmoothedMotion, j: int) -> Coefficient:
-    """How much of the recorded torque's noise a motor's limits pass: root mean square over a row's filter (times,)."""
+    """True noise of a motor's torque over that of the recorded one, as far as its limits pass it (times,) [1].
+
+    Root mean square over a row's filter; without limits the motor's gain.
+    """
     slope = torque_slope(of_joint(equations.true.all_effects, equations.true.joint_names[j]), along, j)
-    return 1.0 if slope is None else np.sqrt(np.maximum(equations.filters.rows(slope**2), 0.0))
+    if slope is None:
+        return float(equations.gains[j])
+    return np.sqrt(np.maximum(equations.filters.rows(slope**2), 0.0))
 
 
 def _own(equations: Equations, along: SmoothedMotion, j: int, kind: str) -> Iterator[tuple[Channel, int, Coefficient]]:

@@ -33,7 +33,7 @@ def of_joint(effects: Iterable[Effect], joint: str) -> list[JointEffect]:
 def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array:
     """tau_applied (samples,): the actuator effects act on the commanded torque one after the other.
 
-    What bends the torque acts before the filters, where it was recorded.
+    What bends the torque acts before the filters, where it was recorded; after them where the command comes late.
     """
     acting = sorted((e for e in effects if e.stage == "actuator"), key=lambda e: e.order)
     late = any(isinstance(each, CommandDelay) for each in acting)
@@ -44,9 +44,9 @@ def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: in
 
 
 def torque_slope(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array | None:
-    """Slope of tau_applied over tau (samples,) [1], by differences; None: no effect bends the torque, and it is 1."""
-    acting = sorted((e for e in effects if e.stage == "actuator" and e.of_recorded_torque), key=lambda e: e.order)
-    if not acting:
+    """Slope of tau_applied over tau (samples,) [1], by differences; None: no effect bends the torque."""
+    acting = sorted((e for e in effects if e.stage == "actuator"), key=lambda e: e.order)
+    if not any(each.of_recorded_torque for each in acting):
         return None
     tau = motion.tau[:, j]
     step = SLOPE_STEP * max(float(np.abs(tau).max()), 1e-300)

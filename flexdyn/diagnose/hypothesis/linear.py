@@ -24,6 +24,8 @@ SAME_SLOPE_STEPS = 5.0
 """Slopes of the file's numbers are kept for changes of an unknown up to this multiple of its scale [1]."""
 OUT_OF_TOLERANCE_WIDTH = 1e3
 """Relative width of the prior of a number that is out of its tolerance."""
+NOT_FINITE = "the equations are not finite along the measured motion"
+"""What the error says of a hypothesis that has no equations."""
 
 
 def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = None, at: Equations | None = None) -> Fit:
@@ -50,7 +52,7 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
         y, X = _rows(hypothesis, at, along, here, scales, known)
         finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
     if not finite:
-        raise SimulationError("the equations are not finite along the measured motion", reason="overflow")
+        raise SimulationError(NOT_FINITE, reason="overflow")
     nuisances = space.nuisance.shape[1]
     centre, sigma = priors(hypothesis, space)
     centre, sigma = np.append(centre, np.zeros(nuisances)), np.append(sigma, space.nuisance_sigma)

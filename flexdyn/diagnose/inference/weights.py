@@ -16,6 +16,7 @@ from flexdyn.diagnose.equations.expected import expected_data
 from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.linear import NOT_FINITE
 from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
 from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.whitening import Tempered
@@ -87,7 +88,7 @@ def for_fit(
         plain = weighed(bare, noise, mask, at=at)
         error = error_of(plain, at.residual, seen)
     if not np.isfinite(error.scale).all():
-        raise SimulationError("the equations are not finite along the measured motion", reason="overflow")
+        raise SimulationError(NOT_FINITE, reason="overflow")
     made = tempered(plain, error)
     if not at.noisy:
         return made
