@@ -184,9 +184,8 @@ def _masses(found: Posterior) -> Masses:
     for other in frozenset().union(*(each for each, _ in found.elsewhere)) - alike:
         if any(space.own_share(found.best, c, other) <= SMALLEST_TORQUE_SHARE for c in best):
             alike |= {other}
-    if not found.elsewhere:
-        return masses
-    return masses.mixed([each & alike for each, _ in found.elsewhere], [odds for _, odds in found.elsewhere])
+    other = [(each & alike, odds) for each, odds in found.elsewhere] + list(found.left_out)
+    return masses.mixed([each for each, _ in other], [odds for _, odds in other])
 
 
 def _is_there(candidate: Candidate, here: Hypothesis) -> bool:

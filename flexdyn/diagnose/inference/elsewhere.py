@@ -36,7 +36,7 @@ def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[fr
         fitted: the fit of that one.
         others: candidates of each of the others.
     """
-    here = _log_posterior(space, best, fitted)
+    here = log_posterior(space, best, fitted)
     found = []
     for each in others:
         structure = _in_space(space, each)
@@ -46,7 +46,7 @@ def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[fr
         except SimulationError:  # its numbers by the linear equations are no model: the fits cannot decide
             found.append(1.0)
             continue
-        found.append(math.exp(min(0.0, _log_posterior(space, structure, made) - here)))
+        found.append(math.exp(min(0.0, log_posterior(space, structure, made) - here)))
     return tuple(found)
 
 
@@ -64,7 +64,7 @@ def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) ->
     """
     lacks = _lacks(space, base)
     added = [point for gain, point in Scan(space).additions(stands) if lacks and gain > -OCCAM_WINDOW]
-    values = {stands: _log_posterior(space, stands, base)}
+    values = {stands: log_posterior(space, stands, base)}
     for each in (best, *_with(space, stands, added)):
         if each not in values:
             values[each] = _by_fit(space, each, base, STEPS_TRIED)
@@ -93,7 +93,7 @@ def best_where_not_linear(space: Space, best: Structure, base: Fit, stands: Stru
         made = _fitted(space, structure, base, STEPS_ELSEWHERE)
         if made is None or _lacks(space, made):
             continue
-        value = _log_posterior(space, structure, made)
+        value = log_posterior(space, structure, made)
         if value > kept:
             best, kept = structure, value
     return best
@@ -113,7 +113,7 @@ def _with(space: Space, stands: Structure, added: Iterable[tuple[int, int]]) -> 
 def _by_fit(space: Space, structure: Structure, base: Fit, steps: int) -> float:
     """Log posterior of a structure, fitted in some steps."""
     made = _fitted(space, structure, base, steps)
-    return -math.inf if made is None else _log_posterior(space, structure, made)
+    return -math.inf if made is None else log_posterior(space, structure, made)
 
 
 def _fitted(space: Space, structure: Structure, base: Fit, steps: int) -> Fit | None:
@@ -135,8 +135,8 @@ def _in_space(space: Space, candidates: frozenset[int]) -> Structure:
     return same if same is not None else frozenset((c, place.get(c, 0)) for c in candidates)
 
 
-def _log_posterior(space: Space, structure: Structure, made: Fit) -> float:
-    """Of a fitted structure, not normalised."""
+def log_posterior(space: Space, structure: Structure, made: Fit) -> float:
+    """Of a structure by its fit, not normalised: see `odds_by_fits`."""
     own = space.gram.estimate(space.columns(structure))
     return log_density(space, made) + space.log_volume(structure, own) + space.log_large(structure, own)
 

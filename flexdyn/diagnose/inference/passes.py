@@ -53,6 +53,7 @@ class Posterior:
         earlier: kinds and places of the best structures at other linearisations, where these do not agree: of a cycle
             since it began; if the search did not settle, all but that at the file's numbers.
         expected: kinds of effects that the user expects of this drive.
+        left_out: candidates of the best structure without one of them each, and their odds to it by fits.
     """
 
     space: Space
@@ -63,6 +64,7 @@ class Posterior:
     known: Mapping[Structure, float]
     expected: tuple[str, ...] = ()
     earlier: tuple[Places, ...] = ()
+    left_out: tuple[tuple[frozenset[int], float], ...] = ()
 
     @lazy
     def elsewhere(self) -> tuple[tuple[frozenset[int], float], ...]:

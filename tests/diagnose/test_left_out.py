@@ -1,0 +1,50 @@
+"""A candidate that the linear equations promise must be missed by a fit without it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.decision.left_out import odds_left_out
+from flexdyn.diagnose.decision.masses import Masses
+from flexdyn.diagnose.decision.naming import names
+from flexdyn.diagnose.decision.one_law import with_best
+from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.inference.passes import Posterior, posterior
+from tests.diagnose.test_simulated import FORCE, LEVEL, LEVELS, MASS, RATE
+from tests.diagnose.truths import slider_model, slider_recording, sliding
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory: pytest.TempPathFactory) -> Posterior:
+    """Of a slider with Coulomb friction, whose level is LEVEL."""
+    model = slider_model(tmp_path_factory.mktemp("slider"))
+    x, _ = sliding(FORCE, 1.0 / RATE, MASS, LEVEL)
+    return posterior(*prepared(model, (measured(model, slider_recording(x, FORCE, RATE, LEVELS, 0)),)))
+
+
+def _place(found: Posterior, kind: str, side: str = "motor") -> int:
+    each = enumerate(found.space.candidates)
+    return next(c for c, one in each if one.kind == kind and one.place.get("side") == side)
+
+
+def test_what_is_there_is_missed_and_what_is_not_is_not(found: Posterior) -> None:
+    """Friction that is there, and an offset that is not: the fit without the offset is as likely or more."""
+    (friction,) = (c for c, _ in found.best)
+    offset = _place(found, "torque_offset")
+    both = with_best(found, found.best | {(offset, 0)})
+    odds = dict(odds_left_out(both))
+    assert set(odds) == {frozenset({friction}), frozenset({offset})}
+    assert odds[frozenset({offset})] < 1e-6
+    assert odds[frozenset({friction})] > 0.5
+
+
+def test_one_of_two_that_fits_do_not_need_is_an_a_or_b() -> None:
+    """The equations are sure of two laws; fits with either one alone are as likely: one name with the other as rival."""
+    sure = Masses.of({frozenset({(0, 0), (1, 0), (2, 0)}): 0.0, frozenset({(0, 0), (1, 0)}): -0.5})
+    weighed = sure.mixed([frozenset({0, 1}), frozenset({0, 2})], [1.0, 1.0])
+    alone, either = names(weighed, frozenset({0, 1}))
+    assert (alone.rivals, alone.established) == ((), True)
+    assert (either.rivals, either.established) == ((2,), True)
