@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from flexdyn.diagnose.data.measured import measured
@@ -42,7 +40,7 @@ def test_what_is_there_is_missed_and_what_is_not_is_not(found: Posterior) -> Non
 
 
 def test_one_of_two_that_fits_do_not_need_is_an_a_or_b() -> None:
-    """The equations are sure of two laws; fits with either one alone are as likely: one name with the other as rival."""
+    """Where fits with either one alone are as likely, one is named with the other as its rival."""
     sure = Masses.of({frozenset({(0, 0), (1, 0), (2, 0)}): 0.0, frozenset({(0, 0), (1, 0)}): -0.5})
     weighed = sure.mixed([frozenset({0, 1}), frozenset({0, 2})], [1.0, 1.0])
     alone, either = names(weighed, frozenset({0, 1}))

@@ -171,11 +171,12 @@ def _overstated(found: Posterior) -> Array:
 
 
 def _masses(found: Posterior) -> Masses:
-    """Posterior over all sets; where linearisations do not agree, their average.
+    """Posterior over all sets; where linearisations or fits do not agree with it, their average.
 
     Something outside the catalogue is explained by another law at every linearisation; an effect that exists is in all
     of them. Of the structures at other linearisations, only effects of the present best structure count, laws that
-    contain them or that they contain, and what could take their place here or along the motion.
+    contain them or that they contain, and what could take their place here or along the motion. Sets without one
+    candidate of the best structure count by their fits.
     """
     space, masses = found.space, Masses.of(found.known)
     best = frozenset(c for c, _ in found.best)
@@ -184,8 +185,8 @@ def _masses(found: Posterior) -> Masses:
     for other in frozenset().union(*(each for each, _ in found.elsewhere)) - alike:
         if any(space.own_share(found.best, c, other) <= SMALLEST_TORQUE_SHARE for c in best):
             alike |= {other}
-    other = [(each & alike, odds) for each, odds in found.elsewhere] + list(found.left_out)
-    return masses.mixed([each for each, _ in other], [odds for _, odds in other])
+    weighed = (*((each & alike, odds) for each, odds in found.elsewhere), *found.left_out)
+    return masses.mixed([each for each, _ in weighed], [odds for _, odds in weighed])
 
 
 def _is_there(candidate: Candidate, here: Hypothesis) -> bool:

@@ -20,7 +20,7 @@ class Masses:
     Attributes:
         sets: of places of candidates.
         structures: the best one of each set: its candidates with their grid points.
-        log: of their posteriors, not normalised; of sets from other linearisations −infinity (sets,).
+        log: of their posteriors, not normalised; of sets from elsewhere −infinity (sets,).
         probability: the same normalised over all of them (sets,).
     """
 
@@ -40,7 +40,7 @@ class Masses:
         return cls(tuple(best), tuple(structure for _, structure in best.values()), log, weight / weight.sum())
 
     def mixed(self, others: Sequence[Set], odds: Sequence[float]) -> Masses:
-        """The mixture with other linearisations: each gives one set with certainty, at odds to all that are here."""
+        """The mixture with other linearisations and fits: each gives one set with certainty, at odds to all here."""
         probability = dict(zip(self.sets, self.probability.tolist(), strict=True))
         for each, weight in zip(others, odds, strict=True):
             probability[each] = probability.get(each, 0.0) + weight
