@@ -91,7 +91,7 @@ class Effect:
             greatest ``speed`` or ``deflection``, the ``seconds`` of the recording, or ``one`` of the parameter's own
             unit.
         contains: names of effects that it becomes for some limit of its parameters; never proposed together with it.
-        plainer: those of them that are the same law with fewer parameters: only what the further ones explain counts.
+        plainer: names of laws that it refines by further parameters: only what these explain beyond such a law counts.
         sum_of: names of effects that together, at one joint, are the same law as this one.
         natural_size: prior standard deviation of its size, if that does not depend on the drive's torque.
         prevalence: how many drives have it. It is weighed against something unknown that looks like it.

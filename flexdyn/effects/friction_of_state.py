@@ -36,8 +36,7 @@ class PositionDependentFriction(WaveEffect, JointEffect):
     shown = {"amplitude": 0.5, "harmonic": 2.0, "phase": 0.0}
     linear_bounds = (-math.inf, -math.inf, -math.inf)
     small_size = 1.0
-    contains = ("coulomb_friction",)
-    plainer = ("coulomb_friction",)
+    plainer = ("coulomb_friction",)  # it does not contain it: friction that comes and goes by less than its mean is both
 
     amplitude: float = parameter("N m", lower=0.0)
 

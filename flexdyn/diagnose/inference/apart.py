@@ -64,10 +64,10 @@ def _unusual(candidate: Candidate, effects: Collection[Effect]) -> bool:
 
     The model as given may have it there already, or an encoder's lag is meant where only currents are often late.
     """
-    place, alike = candidate.place, {candidate.kind, *candidate.law.contains}
+    place, alike = candidate.place, {candidate.kind, *candidate.law.contains, *candidate.law.plainer}
     where = {key: name for key, name in place.items() if key != "effect"}
     there = [each for each in effects if all(getattr(each, key, None) == name for key, name in where.items())]
-    return any(each.name in alike or candidate.kind in each.contains for each in there) or (
+    return any(each.name in alike or candidate.kind in (*each.contains, *each.plainer) for each in there) or (
         candidate.kind == "channel_lag" and not place["channel"].startswith("tau")
     )
 
