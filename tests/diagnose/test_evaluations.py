@@ -12,6 +12,7 @@ from flexdyn import _core
 from flexdyn.diagnose.shooting import shooter as shooting
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
+from flexdyn.effects import SensorGain
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.plant import build_plant
 from flexdyn.simulation.solver_choice import core_settings
@@ -53,3 +54,14 @@ def test_windows_that_take_more_have_failed(monkeypatch: pytest.MonkeyPatch) -> 
     assert not shoot(model, windows).failed.any()
     monkeypatch.setattr(shooting, "MOST_EVALUATIONS", 50)
     assert shoot(model, windows).failed.all()
+
+
+def test_windows_that_failed_are_whitened_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Behind an encoder with a gain: where the simulation ended there is no position at which its slope can be taken."""
+    model = two_link(ARM)
+    windows = Windows.of(model, [two_link_recording(Levels(), 0)], Levels().noise())
+    monkeypatch.setattr(shooting, "MOST_EVALUATIONS", 50)
+    shot = shoot(model.replace(effects=[SensorGain("q.shoulder", gain=0.01)]), windows)
+    assert shot.failed.all()
+    assert np.isfinite(shot.whitened()).all()
+    assert np.isfinite(shot.log_likelihood)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 
 from flexdyn.diagnose.decision.corrected import Corrected, corrected
-from flexdyn.diagnose.decision.left_out import odds_left_out
+from flexdyn.diagnose.decision.needed_in_fits import needed_in_fits
 from flexdyn.diagnose.decision.one_law import by_plainer_laws, in_one_law, with_best
 from flexdyn.diagnose.decision.refitted import share_in_forces
 from flexdyn.diagnose.hypothesis.fitted import Workspace
@@ -24,8 +23,8 @@ def told(compared: Posterior, plain: Workspace) -> tuple[Posterior, Corrected]:
         compared: the posterior over structures.
         plain: the equations of the model as given, with the sensors' weights.
     """
+    compared = needed_in_fits(compared)
     by_fits = functools.partial(share_in_forces, compared) if plain.equations.replayed.any() else None
-    compared = dataclasses.replace(compared, left_out=odds_left_out(compared))
     found = corrected(compared, plain, by_fits)
     other = in_one_law(by_plainer_laws(compared, found.genuine), _named(found))
     again = found if other is compared else corrected(other, plain, by_fits)

@@ -53,7 +53,7 @@ class Posterior:
         earlier: kinds and places of the best structures at other linearisations, where these do not agree: of a cycle
             since it began; if the search did not settle, all but that at the file's numbers.
         expected: kinds of effects that the user expects of this drive.
-        left_out: candidates of the best structure without one of them each, and their odds to it by fits.
+        left_out: candidates of structures that lack one of a better one, and their odds to that one by fits.
     """
 
     space: Space

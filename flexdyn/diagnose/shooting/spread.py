@@ -177,5 +177,6 @@ def _gains(shooter: Shooter, motion: SimulatedWindows, which: Indices) -> Array:
         x = getattr(motion, signal)[:, :: windows.block, shooter.model.index(joint)]
         effects = sensors(shooter.model, name)
         if effects:
-            gain[:, :, k] = of_windows(slope, effects, x, windows.t[which, :: windows.block])
+            made = of_windows(slope, effects, x, windows.t[which, :: windows.block])
+            gain[:, :, k] = np.where(np.isfinite(x), made, 1.0)  # a window that failed has no position from there on
     return gain

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.left_out import odds_left_out
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import names
+from flexdyn.diagnose.decision.needed_in_fits import needed_in_fits
 from flexdyn.diagnose.decision.one_law import with_best
 from flexdyn.diagnose.hypothesis.workspace import prepared
 from flexdyn.diagnose.inference.passes import Posterior, posterior
@@ -28,15 +28,24 @@ def _place(found: Posterior, kind: str, side: str = "motor") -> int:
     return next(c for c, one in each if one.kind == kind and one.place.get("side") == side)
 
 
-def test_what_is_there_is_missed_and_what_is_not_is_not(found: Posterior) -> None:
-    """Friction that is there, and an offset that is not: the fit without the offset is as likely or more."""
-    (friction,) = (c for c, _ in found.best)
-    offset = _place(found, "torque_offset")
-    both = with_best(found, found.best | {(offset, 0)})
-    odds = dict(odds_left_out(both))
-    assert set(odds) == {frozenset({friction}), frozenset({offset})}
-    assert odds[frozenset({offset})] < 1e-6
-    assert odds[frozenset({friction})] > 0.5
+def test_what_is_there_is_missed_and_what_is_not_is_left_out(found: Posterior) -> None:
+    """Friction that is there, and an offset that is not: a fit without the offset is more likely."""
+    (friction,) = found.best
+    offset = (_place(found, "torque_offset"), 0)
+    made = needed_in_fits(with_best(found, found.best | {offset}))
+    odds = dict(made.left_out)
+    assert made.best == found.best
+    assert [effect.name for effect in made.fitted.hypothesis.effects] == ["coulomb_friction"]
+    assert odds[frozenset({friction[0]})] == 1.0
+    assert odds[frozenset({offset[0]})] < 1e-6
+    assert made.fitted.reached == pytest.approx(found.fitted.reached, rel=1e-4)
+
+
+def test_what_is_needed_stays(found: Posterior) -> None:
+    """Friction alone: the structure and its fit are as before."""
+    made = needed_in_fits(found)
+    assert (made.best, made.fitted) == (found.best, found.fitted)
+    assert dict(made.left_out)[frozenset()] < 1e-6
 
 
 def test_one_of_two_that_fits_do_not_need_is_an_a_or_b() -> None:

@@ -1,0 +1,70 @@
+"""Fits without each candidate of the best structure: what the linear equations promise for it must be missed there."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+from flexdyn.diagnose.decision.model_effects import effect_of, possible
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.inference.candidate import Candidate
+from flexdyn.diagnose.inference.elsewhere import STEPS_ELSEWHERE, STEPS_TRIED, log_posterior
+from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.search import OCCAM_WINDOW
+from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.errors import SimulationError
+
+
+def needed_in_fits(found: Posterior) -> Posterior:
+    """The posterior whose best structure has nothing without which a fit is more likely.
+
+    The linear equations may promise much for a candidate that takes up the error of another one's linearisation. A fit
+    without it then leaves as little. The candidate without which a fit is most likely is left out, and again, until all
+    are missed. Every structure that was tried keeps its odds, so that one of two that a fit needs is an "A or B".
+
+    Args:
+        found: the posterior, whose best structure is fitted to the equations.
+    """
+    space, best, made = found.space, found.best, found.fitted
+    odds: dict[frozenset[int], float] = {}
+    doubtful = sorted(best)
+    while doubtful:
+        here = log_posterior(space, best, made)
+        tried = {each: _without(space, best, each, made, here) for each in doubtful}
+        values = {each: value for each, (value, _) in tried.items()}
+        for each, value in values.items():
+            odds[frozenset(c for c, _ in best - {each})] = math.exp(min(0.0, value - here))
+        least = max(values, key=lambda each: values[each])
+        rest = tried[least][1]
+        if rest is None or values[least] <= here:
+            break
+        best, made = best - {least}, rest
+        doubtful = [each for each in doubtful if each != least and values[each] > here - OCCAM_WINDOW]
+    return dataclasses.replace(found, best=best, fitted=made, left_out=tuple(odds.items()))
+
+
+def _without(space: Space, best: Structure, each: tuple[int, int], made: Fit, here: float) -> tuple[float, Fit | None]:
+    """Log posterior of a structure without one of its candidates, and its fit; it ends early where it cannot be likely.
+
+    The fit begins at the numbers of that of the whole structure.
+    """
+    rest = best - {each}
+    try:
+        without = fit(_hypothesis_without(made.hypothesis, space.candidates[each[0]]), made.space, steps=STEPS_TRIED)
+    except SimulationError:  # nothing can be computed without it
+        return -math.inf, None
+    value = log_posterior(space, rest, without)
+    if value + 0.5 * (without.reached - without.chi2) > here - OCCAM_WINDOW:
+        without = fit(without.hypothesis, made.space, steps=STEPS_ELSEWHERE)
+        value = log_posterior(space, rest, without)
+    return value, without
+
+
+def _hypothesis_without(here: Hypothesis, candidate: Candidate) -> Hypothesis:
+    """A hypothesis without what a candidate stands for."""
+    if candidate.number is not None:
+        return dataclasses.replace(here, freed=here.freed - {candidate.number})
+    gone = effect_of(candidate, here)
+    return dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not gone]))
