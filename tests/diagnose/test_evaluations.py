@@ -57,7 +57,7 @@ def test_windows_that_take_more_have_failed(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_windows_that_failed_are_whitened_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Behind an encoder with a gain: where the simulation ended there is no position at which its slope can be taken."""
+    """Behind an encoder with a gain: where a simulation ended, there is no position for its slope."""
     model = two_link(ARM)
     windows = Windows.of(model, [two_link_recording(Levels(), 0)], Levels().noise())
     monkeypatch.setattr(shooting, "MOST_EVALUATIONS", 50)

@@ -22,6 +22,7 @@ from flexdyn.diagnose.inference.apart import (
 )
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.discrepancy import Discrepancy
+from flexdyn.diagnose.inference.search import nested
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column
@@ -277,6 +278,13 @@ def _candidate(kind: str, channel: str = "") -> Candidate:
     """One place of an effect, which makes nothing."""
     place = {"effect": kind, **({"channel": channel} if channel else {"joint": "a"})}
     return Candidate(kind, Proposal(place, lambda point, x: None, sizes=(1.0,)), None, [()], [np.array([0])], 1)
+
+
+def test_friction_that_varies_and_constant_friction_are_two_laws() -> None:
+    """One that varies by less than its mean is both together; presliding friction is Coulomb friction when it slides."""
+    coulomb = _candidate("coulomb_friction")
+    assert not nested(_candidate("position_dependent_friction"), coulomb)
+    assert nested(_candidate("presliding_friction"), coulomb)
 
 
 @pytest.mark.parametrize("kind", ["viscous_friction", "stribeck_friction", "backlash"])

@@ -48,6 +48,8 @@ MORE = [
     ("motor_only_wide", 106001, 3, "a hardening spring of an arm that moves one joint after the other"),
     ("motor_only", 108001, 2, "asymmetric friction, which is Coulomb friction and an offset"),
     ("motor_only", 112001, 0, "an end stop that is seldom touched"),
+    ("triple", 124001, 0, "friction that depends on position and Coulomb friction of one motor, and a wrong mass"),
+    ("triple", 125001, 0, "elasticity, Stribeck friction and a wrong stiffness, which a torque gain imitates"),
     ("outside", 104001, 0, "a cable between axes, which looks like a rotor inertia that nothing determines"),
 ]
 """Cases that CI leaves out: `pytest -m slow` runs them."""
