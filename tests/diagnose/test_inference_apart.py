@@ -281,7 +281,7 @@ def _candidate(kind: str, channel: str = "") -> Candidate:
 
 
 def test_friction_that_varies_and_constant_friction_are_two_laws() -> None:
-    """One that varies by less than its mean is both together; presliding friction is Coulomb friction when it slides."""
+    """One that varies by less than its mean is both; presliding friction slides as Coulomb friction."""
     coulomb = _candidate("coulomb_friction")
     assert not nested(_candidate("position_dependent_friction"), coulomb)
     assert nested(_candidate("presliding_friction"), coulomb)
