@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from along import along
 
 Effect = fd.effects.Effect
-SIZES = ("coefficient", "level", "offset", "mass", "gain")
+SIZES = ("coefficient", "level", "offset", "mass", "gain", "amplitude")
 """Parameters in which the laws are linear."""
 ROTOR = 1e-5
 """Rotor inertia by which its column is taken [kg m^2]."""
