@@ -139,7 +139,7 @@ def test_noise_of_both_encoders_biases_no_stiffness(stiff: fd.Recording) -> None
     given, rng = _stiff(1.05), np.random.default_rng(3)
     levels = {"q": 3e-5, "theta": 3e-5, "tau": 0.05}
     names = [f"{signal}.{joint}" for signal in levels for joint in given.joint_names]
-    off = []
+    off, shares = [], []
     for _ in range(DRAWS // 10):
         seen = {x: stiff[x] + rng.normal(0.0, levels[x.split(".")[0]], stiff.t.size) for x in names}
         bare, noise, here = prepared(given, (measured(given, fd.Recording(stiff.t, seen)),))
@@ -147,13 +147,15 @@ def test_noise_of_both_encoders_biases_no_stiffness(stiff: fd.Recording) -> None
         for _ in range(3):
             at = bare.equations.of(here.model())
             rows = rows_of(at, mask)
-            near, _ = along_expected(bare, weighed(bare, noise, mask, at=at), here, at, rows)
+            near, _, in_slopes = along_expected(bare, weighed(bare, noise, mask, at=at), here, at, rows)
             made = fit(here, for_fit(near, noise, mask, rows, here))
             here = made.hypothesis
         number = next(n for n in here.factors if n.of == "shoulder" and n.parameter == "stiffness")
         off.append((here.factors[number] - 1.0 / 1.05) / made.factor_std()[number])
+        shares.append(in_slopes)
     assert abs(np.mean(off)) < 1.5
     assert np.std(off) < 2.0
+    assert np.mean(shares) < 0.1  # slopes lack the noise of rows that have nothing else
 
 
 def _error(found: list[float]) -> float:

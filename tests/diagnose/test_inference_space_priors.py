@@ -214,6 +214,20 @@ def test_a_gain_of_the_torque_changes_the_density_of_its_rows(gain: float) -> No
     assert found[0] - found[1] == pytest.approx(30 / 4.0 * math.log1p(gain), rel=1e-4)
 
 
+@pytest.mark.parametrize("share", [0.0, 0.25])
+def test_it_does_so_as_far_as_slopes_have_the_noise_of_the_rows(share: float) -> None:
+    """Along the expected motion they have none: the linear equations follow a covariance that grows with the gain."""
+    case, block = _sharp(0.2)
+    spaces = [
+        replace(case, given=(replace(case.given[0], columns=(each,)),)).space(case.noise())
+        for each in (replace(block, gained=30), block)
+    ]
+    for space in spaces:
+        space.noise_in_slopes[:] = share
+    found = [space.log_large(ALONE, space.gram.estimate(space.columns(ALONE))) for space in spaces]
+    assert found[0] - found[1] == pytest.approx(share * 30 * math.log1p(0.2), rel=1e-4)
+
+
 @pytest.mark.parametrize("plain_at", ["a", "b", "a, where it stands"])
 @pytest.mark.parametrize("both", [0.0, 0.7, 1.0])
 def test_a_law_is_large_by_what_a_plainer_one_cannot_do(both: float, plain_at: str) -> None:

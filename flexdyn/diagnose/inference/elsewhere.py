@@ -138,7 +138,8 @@ def _in_space(space: Space, candidates: frozenset[int]) -> Structure:
 def log_posterior(space: Space, structure: Structure, made: Fit) -> float:
     """Of a structure by its fit, not normalised: see `odds_by_fits`."""
     own = space.gram.estimate(space.columns(structure))
-    return log_density(space, made) + space.log_volume(structure, own) + space.log_large(structure, own)
+    gained = space.log_gained(made.hypothesis.effects)
+    return log_density(space, made) + gained + space.log_volume(structure, own) + space.log_large(structure, own)
 
 
 def log_density(space: Space, made: Fit) -> float:

@@ -75,7 +75,7 @@ class Linearisation:
         noise = quieter(recorded, at, mask)
         seen = rows_of(at, mask)
         work = weighed(bare, noise, mask, filter_error(bare.equations, here), at)
-        near, work = along_expected(bare, work, here, at, seen)
+        near, work, in_slopes = along_expected(bare, work, here, at, seen)
         made = linearised(here, work, at=at)
         slopes = (made.free or made.regression).X[:, : len(here.factors)]
         listed = with_harmonics(at, own, runs_of(mask, list(seen.lengths), len(at.kinds)))
@@ -84,7 +84,7 @@ class Linearisation:
         along = at if near.along is None else near.along.of(here.model())
         whole = slopes, work.nuisance, work.nuisance_sigma
         library = Library(along, work.whiten, here, *whole, tuple(listed), noise, mask, first)
-        return cls(Space(library, work.whiten(at.residual), seen), near, noise, mask)
+        return cls(Space(library, work.whiten(at.residual), seen, in_slopes), near, noise, mask)
 
     def best_fitted(self, structure: Structure, steps: int, *, whole: bool = False) -> Fit:
         """The fit of a structure, from its coefficients in the linear equations.

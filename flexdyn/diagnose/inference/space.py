@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Iterable
 
 import numpy as np
 from scipy.special import log_ndtr
@@ -17,6 +18,7 @@ from flexdyn.diagnose.inference.priors import EVERY_MOTOR
 from flexdyn.diagnose.inference.structure_prior import log_harmonic, log_places
 from flexdyn.diagnose.inference.torque_shares import contained, share_apart, torque_share
 from flexdyn.diagnose.lazy import lazy
+from flexdyn.effects import Effect, TorqueConstantError
 
 Structure = frozenset[tuple[int, int]]
 """Candidates that a structure holds, each with its grid point."""
@@ -29,10 +31,12 @@ class Space:
         library: that makes the columns.
         rows: what the start leaves, white but for the model error (rows,).
         seen: rows that say something.
+        noise_in_slopes: share of the rows' noise that their slopes contain (equations,) [1]; None: all of it.
     """
 
-    def __init__(self, library: Library, rows: Array, seen: Seen) -> None:
+    def __init__(self, library: Library, rows: Array, seen: Seen, noise_in_slopes: Array | None = None) -> None:
         self.library, self.seen = library, seen
+        self.noise_in_slopes = np.ones(seen.valid.shape[1]) if noise_in_slopes is None else noise_in_slopes
         self.matrix = CandidateMatrix(library, rows, seen)
         self.candidates = self.matrix.candidates
         self.places = Counter(each.group for each in self.candidates)
@@ -133,7 +137,7 @@ class Space:
             if matrix.gained[columns[0]] > 0.0:
                 # The rows are in applied torque: those of recorded torque have the density of (1 + gain) times as much.
                 rows = matrix.gained[columns[0]] * self.tempered(columns[0])
-                total += rows * math.log(max(1.0 + float(own.mean[here][0]), 0.01))
+                total += self._in_slopes(c) * rows * math.log(max(1.0 + float(own.mean[here][0]), 0.01))
             weight = matrix.size[columns]
             share = torque_share(self.candidates[c], weight, own.mean[here])
             plain = [self.candidates[k].columns[0] for k in self.contained[c]]
@@ -194,7 +198,30 @@ class Space:
     def costs(self, c: int, p: int) -> float:
         """What a law that forgets the recorded torque costs."""
         column = int(self.candidates[c].columns[p][0])
-        return float(self.matrix.cost[column]) * self.tempered(column)
+        return float(self.matrix.cost[column]) * self.tempered(column) * self._in_slopes(c)
+
+    def log_gained(self, effects: Iterable[Effect]) -> float:
+        """Log density of recorded torque over that of applied torque by gains among some effects, for fits.
+
+        The residuals of fits have the noise of the recorded torque times 1 + gain. Here is what the linear equations do
+        not count of it, because their slopes lack that noise.
+        """
+        return sum(
+            self.library.sizes.log_jacobian(effect)
+            * self.tempered(int(each.columns[0][0]))
+            * (1.0 - self._in_slopes(c))
+            for effect in effects
+            for c, each in enumerate(self.candidates)
+            if isinstance(effect, TorqueConstantError)
+            and (each.kind, each.place.get("joint")) == (effect.name, effect.joint)
+        )
+
+    def _in_slopes(self, c: int) -> float:
+        """Share of the noise that a candidate scales which the slopes contain [1]: only a gain scales all of it."""
+        candidate = self.candidates[c]
+        if candidate.kind != TorqueConstantError.name:
+            return 1.0
+        return float(self.noise_in_slopes[self.matrix.of[int(candidate.columns[0][0])]])
 
     def left(self, structure: Structure) -> Array:
         """What a structure leaves, white but for the model error (rows,)."""

@@ -34,7 +34,7 @@ def quieter(recorded: SampleNoise, at: Equations, mask: Flags) -> SampleNoise:
 
 def along_expected(
     bare: Unweighted, work: Workspace, here: Hypothesis, at: Equations, seen: Seen
-) -> tuple[Unweighted, Workspace]:
+) -> tuple[Unweighted, Workspace, Array]:
     """Equations and weights with slopes along the motion that is expected, given what a hypothesis leaves.
 
     Only where slopes contain much noise; those of rigid arms have hardly any behind the filters.
@@ -45,15 +45,19 @@ def along_expected(
         here: the hypothesis.
         at: its equations.
         seen: rows that say something.
+
+    Returns:
+        The equations, the weights, and the share of the rows' noise that the slopes still contain (equations,) [1]: a
+        residual that is s times as large as noise alone shows 1/s^2 of the noise.
     """
     if not at.noisy:
-        return bare, work
+        return bare, work, np.ones(len(at.kinds))
     scale = Discrepancy.of(work.white(at.residual), seen).scale
     along = bare.equations.along(expected_data(at, work.noise, work.whiten, scale))
     slopes = Unweighted.of(along, here.factors)
     near = dataclasses.replace(slopes, equations=bare.equations, along=along)
     new = work.whiten(near.numbers), work.whiten(near.offsets)
-    return near, dataclasses.replace(work, numbers=new[0], nuisance=new[1], along=along)
+    return near, dataclasses.replace(work, numbers=new[0], nuisance=new[1], along=along), 1.0 - 1.0 / scale**2
 
 
 def expected(work: Workspace) -> float:
