@@ -219,7 +219,7 @@ def test_it_does_so_as_far_as_slopes_have_the_noise_of_the_rows(share: float) ->
     """Along the expected motion they have none: the linear equations follow a covariance that grows with the gain."""
     case, block = _sharp(0.2)
     spaces = [
-        replace(case, given=(replace(case.given[0], columns=(each,)),)).space(case.noise())
+        replace(case, given=(Given("torque_constant_error", "a", (each,)),)).space(case.noise())
         for each in (replace(block, gained=30), block)
     ]
     for space in spaces:

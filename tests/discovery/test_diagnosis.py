@@ -12,7 +12,6 @@ from score import outcome
 from tests.discovery.shortened import diagnosed
 
 CASES = [
-    ("single", 5, 6, "presliding friction on a motor"),
     ("pair", 5, 22, "Stribeck friction on a link and a torque limit on the other motor"),
     ("motor_only", 102001, 0, "hysteresis of a spring"),
     ("link_only", 4, 12, "damping of a transmission"),
@@ -28,6 +27,7 @@ MORE = [
     ("hard", 120001, 1, "backlash under ten times the noise"),
     ("single", 3, 3, "Coulomb friction on a link"),
     ("single", 3, 5, "Stribeck friction on a motor"),
+    ("single", 5, 6, "presliding friction on a motor"),
     ("single", 5, 26, "a hardening spring"),
     ("single", 5, 79, "torque ripple"),
     ("motor_only", 5, 10, "Coulomb friction on a motor"),
