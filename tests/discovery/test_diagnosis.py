@@ -48,6 +48,12 @@ MORE = [
     ("motor_only_wide", 106001, 3, "a hardening spring of an arm that moves one joint after the other"),
     ("motor_only", 108001, 2, "asymmetric friction, which is Coulomb friction and an offset"),
     ("motor_only", 112001, 0, "an end stop that is seldom touched"),
+    (
+        "triple",
+        121001,
+        0,
+        "a wave of an encoder as large as the width of a spring's hysteresis, which looks like a gear's",
+    ),
     ("triple", 124001, 0, "friction that depends on position and Coulomb friction of one motor, and a wrong mass"),
     ("triple", 125001, 0, "elasticity, Stribeck friction and a wrong stiffness, which a torque gain imitates"),
     ("outside", 104001, 0, "a cable between axes, which looks like a rotor inertia that nothing determines"),
@@ -93,13 +99,3 @@ def test_a_late_encoder_beside_friction_of_its_joint(tmp_path: Path) -> None:
     """Coulomb friction on a link and 3.6 ms of lag of its motor's encoder."""
     found, truth = diagnosed("pair", 5, 5, tmp_path)
     assert outcome(truth, found) == "right", (found["findings"], truth["hidden"])
-
-
-@pytest.mark.slow
-def test_a_wave_of_an_encoder_beside_a_spring_with_hysteresis(tmp_path: Path) -> None:
-    """It is as large as the width of the hysteresis. A gear's wave fits as well: "A or B", not one of the two alone."""
-    found, truth = diagnosed("triple", 121001, 0, tmp_path)
-    assert outcome(truth, found) == "right", (found["findings"], truth["hidden"])
-    (either,) = (each for each in found["findings"] if each["indistinguishable_from"])
-    told = {each["effect"] for each in (either, *either["indistinguishable_from"])}
-    assert told == {"kinematic_error", "encoder_eccentricity"}
