@@ -15,6 +15,7 @@ from scipy.stats import norm
 from flexdyn.diagnose.inference.candidate import Column
 from flexdyn.diagnose.inference.candidate_matrix import NEGLIGIBLE_SHARE
 from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE, SMALLEST_TORQUE_SHARE
+from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_prior import PLACE_BETA, UBIQUITOUS_BETA, WHOLE_NUMBER_LOG_ODDS
 from flexdyn.effects import CoulombFriction
@@ -89,6 +90,24 @@ def test_a_law_that_contains_expected_friction_is_expected_as_much() -> None:
     assert math.exp(space.log_prior(frozenset({(0, 0)}))) == pytest.approx(20.0)
     assert math.exp(space.log_prior(frozenset({(1, 0)}))) == pytest.approx(1.0)
     assert math.exp(space.log_prior(frozenset({(0, 0), (2, 0)}))) == pytest.approx(1.0)
+
+
+def test_two_laws_of_one_motor_count_as_expected_friction_once() -> None:
+    """Friction that varies, alone or beside Coulomb friction of the same motor: a motor has it or has it not."""
+    forms = np.linalg.qr(_draw(6))[0]
+    given = [Given("coulomb_friction", joint, (column(forms[:, [k]]),)) for k, joint in enumerate("ab")]
+    given.append(Given("position_dependent_friction", "a", (column(forms[:, [2]]),), ((2.0,),)))
+    space = Case(tuple(given), column(forms[:, 4:]), np.zeros(ROWS)).space()
+    a, b, wave = ((c, 0) for c in range(3))
+    prior = {held: space.log_places(frozenset(held)) for m in range(1, 4) for held in combinations((a, b, wave), m)}
+    varies = math.log(PLACE_BETA[0] / PLACE_BETA[1])  # few drives have it
+    assert prior[a, b, wave] == pytest.approx(prior[a, b] + varies)
+    assert prior[b, wave] == pytest.approx(prior[a, b] + varies)
+    assert prior[a, wave] == pytest.approx(prior[a,] + varies)
+    assert prior[wave,] == pytest.approx(prior[a,] + varies)
+    beside = {held: {point: gain for gain, point in Scan(space).additions(frozenset({held}))} for held in (a, b)}
+    apart = (prior[a, wave] - prior[a,]) - (prior[b, wave] - prior[b,])
+    assert beside[a][wave] - beside[b][wave] == pytest.approx(apart)
 
 
 @pytest.mark.parametrize("kind", ["stribeck_friction", "viscous_friction"])

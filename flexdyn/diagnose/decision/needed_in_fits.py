@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from flexdyn.diagnose.decision.model_effects import effect_of, possible
+from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
@@ -66,5 +66,4 @@ def _hypothesis_without(here: Hypothesis, candidate: Candidate) -> Hypothesis:
     """A hypothesis without what a candidate stands for."""
     if candidate.number is not None:
         return dataclasses.replace(here, freed=here.freed - {candidate.number})
-    gone = effect_of(candidate, here)
-    return dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not gone]))
+    return without_effect(here, effect_of(candidate, here))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from flexdyn.diagnose.decision.model_effects import effect_of, possible
+from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
 from flexdyn.diagnose.equations.columns import moves_links
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.inference.apart import beyond_noise
@@ -37,7 +37,7 @@ def share_in_forces(found: Posterior, candidate: int) -> float:
     effect = effect_of(found.space.candidates[candidate], here)
     if effect is None or not moves_links(made.equations, effect) or not isinstance(whiten, Tempered):
         return 0.0
-    rest = dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not effect]))
+    rest = without_effect(here, effect)
     given = dataclasses.replace(rest, factors=dict.fromkeys(rest.factors, 1.0))
     without = min(
         (fit(start, made.space, steps=STEPS_WITHOUT) for start in (rest, given)), key=lambda made: made.reached

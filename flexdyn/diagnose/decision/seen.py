@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 
 from scipy.special import ndtri
 
-from flexdyn.diagnose.decision.model_effects import effect_of, possible
+from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
-from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.report.suspects import ESTABLISHED
@@ -36,7 +34,7 @@ def stays(space: Space, c: int, made: Fit, smallest: float) -> bool:
     here, effect = made.hypothesis, effect_of(candidate, made.hypothesis)
     if effect is None:
         return False
-    change = made.equations.residual - made.equations.of(_without(here, effect).model()).residual
+    change = made.equations.residual - made.equations.of(without_effect(here, effect).model()).residual
     share, least = space.library.sizes.of(effect, change, smallest)
     return share >= least
 
@@ -69,13 +67,8 @@ def _missed_by(made: Fit, effect: Effect | None) -> float:
     hardly touched may be many times larger, but not nothing: their standard deviations say nothing of a missing stop
     (Hauck and Donner, J. Am. Stat. Assoc. 72, 1977).
     """
-    without = fit(_without(made.hypothesis, effect), made.space)
+    without = fit(without_effect(made.hypothesis, effect), made.space)
     return math.sqrt(max(without.reached - made.reached, 0.0))
-
-
-def _without(here: Hypothesis, effect: Effect | None) -> Hypothesis:
-    """A hypothesis without one of its effects, and without what needs that."""
-    return dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not effect]))
 
 
 def least_deviation(log_odds: float) -> float:

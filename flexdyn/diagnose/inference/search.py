@@ -54,6 +54,10 @@ class Scan:
         self.grid += [log_harmonic(candidates[c], p) for c, p in self.owner]
         groups = [self.space.groups[c] for c in self.of]
         self.counts = np.array([[kind in each for kind in self.kinds] for each in groups], float)
+        self.alike: dict[tuple[str, object], list[int]] = {}
+        for k, c in enumerate(self.of.tolist()):
+            for group in self.space.groups[c]:
+                self.alike.setdefault((group, self.space.place_in(group, c)), []).append(k)
 
     def _clashing(self) -> list[Indices]:
         """Candidates that may not stand beside each: itself, and laws that contain it or that it contains."""
@@ -75,12 +79,15 @@ class Scan:
         if self.size != self.space.matrix.used:
             self._tabled()
         gain = self.space.gram.additions(self.space.columns(structure), self.tables) + self.grid
-        there = [group for c, _ in structure for group in self.space.groups[c]]
+        held = self.space.held(structure)
+        there = [group for group, _ in held]
         counts = np.array([float(there.count(kind)) for kind in self.kinds])
         a, b = np.array([odds_of(kind) for kind in self.kinds]).T
         left = np.maximum(self.total - counts - 1.0, 0.0)
         price = betaln(counts + 1 + a, left + b) - betaln(counts + a, np.maximum(self.total - counts, 0.0) + b)
         gain = gain + self.counts @ price
+        for each in held:  # another law of a place that counts already
+            gain[self.alike[each]] -= price[self.kinds.index(each[0])]
         for c, _ in structure:
             gain[np.isin(self.of, self.clash[c])] = -np.inf
         order = np.lexsort((np.arange(len(gain)), -gain))

@@ -189,7 +189,16 @@ class Space:
 
     def log_places(self, structure: Structure) -> float:
         """Log prior of which laws are where: what is believed of drives beforehand, whatever the data say."""
-        return log_places(Counter(group for c, _ in structure for group in self.groups[c]), self.places)
+        return log_places(Counter(group for group, _ in self.held(structure)), self.places)
+
+    def held(self, structure: Structure) -> list[tuple[str, object]]:
+        """Groups of which a structure has something, with the places where; two laws of one place count once there."""
+        there = ((group, self.place_in(group, c)) for c, _ in sorted(structure) for group in self.groups[c])
+        return list(dict.fromkeys(there))
+
+    def place_in(self, group: str, c: int) -> object:
+        """The place at which a candidate counts in a group: its joint and side, where several laws are of the group."""
+        return self.candidates[c].spot if group.startswith(EVERY_MOTOR) else c
 
     def log_odds(self, c: int) -> float:
         """Prior log odds that a candidate is there, and nothing else of its kind."""
