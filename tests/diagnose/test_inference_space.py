@@ -65,7 +65,8 @@ def _case(seed: int = 0, level: float = 0.5, *, bounded: bool = False, stands: b
 def _structures(case: Case) -> st.SearchStrategy[Structure]:
     """Any candidates, each at any of its grid points; a law never stands beside one that it contains."""
     points = [st.none() | st.integers(0, len(each.columns) - 1) for each in case.given]
-    both = {c for c, each in enumerate(case.given) if each.kind in ("coulomb_friction", "asymmetric_friction")}
+    nested = [("coulomb_friction", "a"), ("asymmetric_friction", "a")]
+    both = {c for c, each in enumerate(case.given) if (each.kind, each.joint) in nested}
     drawn = st.tuples(*points).map(lambda ps: frozenset((c, p) for c, p in enumerate(ps) if p is not None))
     return drawn.filter(lambda structure: not both <= {c for c, _ in structure})
 
