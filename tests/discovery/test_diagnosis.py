@@ -54,7 +54,6 @@ MORE = [
         0,
         "a wave of an encoder as large as the width of a spring's hysteresis, which looks like a gear's",
     ),
-    ("triple", 124001, 0, "friction that depends on position and Coulomb friction of one motor, and a wrong mass"),
     ("triple", 125001, 0, "elasticity, Stribeck friction and a wrong stiffness, which a torque gain imitates"),
     ("outside", 104001, 0, "a cable between axes, which looks like a rotor inertia that nothing determines"),
 ]

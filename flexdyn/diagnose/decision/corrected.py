@@ -171,22 +171,22 @@ def _overstated(found: Posterior) -> Array:
 
 
 def _masses(found: Posterior) -> Masses:
-    """Posterior over all sets; where linearisations or fits do not agree with it, their average.
+    """Posterior over all sets; where linearisations do not agree, their average, and where fits tell more, by these.
 
     Something outside the catalogue is explained by another law at every linearisation; an effect that exists is in all
     of them. Of the structures at other linearisations, only effects of the present best structure count, laws that
-    contain them or that they contain, and what could take their place here or along the motion. Sets without one
-    candidate of the best structure count by their fits.
+    contain them or that they contain, and what could take their place here or along the motion.
     """
-    space, masses = found.space, Masses.of(found.known)
+    space, masses = found.space, Masses.of(found.known).by_fits(found.left_out)
     best = frozenset(c for c, _ in found.best)
     alike = best | {c for c, inside in space.contained.items() if best & set(inside)}
     alike |= {each for c in best for each in (*space.contained[c], *standing_in(masses, best, {c}))}
     for other in frozenset().union(*(each for each, _ in found.elsewhere)) - alike:
         if any(space.own_share(found.best, c, other) <= SMALLEST_TORQUE_SHARE for c in best):
             alike |= {other}
-    weighed = (*((each & alike, odds) for each, odds in found.elsewhere), *found.left_out)
-    return masses.mixed([each for each, _ in weighed], [odds for _, odds in weighed])
+    if not found.elsewhere:
+        return masses
+    return masses.mixed([each & alike for each, _ in found.elsewhere], [odds for _, odds in found.elsewhere])
 
 
 def _is_there(candidate: Candidate, here: Hypothesis) -> bool:

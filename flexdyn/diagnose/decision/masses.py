@@ -20,7 +20,7 @@ class Masses:
     Attributes:
         sets: of places of candidates.
         structures: the best one of each set: its candidates with their grid points.
-        log: of their posteriors, not normalised; of sets from elsewhere −infinity (sets,).
+        log: of their posteriors, not normalised; of sets from other linearisations −infinity (sets,).
         probability: the same normalised over all of them (sets,).
     """
 
@@ -40,15 +40,30 @@ class Masses:
         return cls(tuple(best), tuple(structure for _, structure in best.values()), log, weight / weight.sum())
 
     def mixed(self, others: Sequence[Set], odds: Sequence[float]) -> Masses:
-        """The mixture with other linearisations and fits: each gives one set with certainty, at odds to all here."""
+        """The mixture with other linearisations: each gives one set with certainty, at odds to all that are here."""
         probability = dict(zip(self.sets, self.probability.tolist(), strict=True))
         for each, weight in zip(others, odds, strict=True):
             probability[each] = probability.get(each, 0.0) + weight
+        return self._with(probability)
+
+    def by_fits(self, tried: Sequence[tuple[Set, Set, float]]) -> Masses:
+        """The same where fits make sets more likely than they are here.
+
+        Args:
+            tried: sets, each with another set and its odds to that by fits.
+        """
+        probability = dict(zip(self.sets, self.probability.tolist(), strict=True))
+        for each, whole, odds in tried:
+            probability[each] = max(probability.get(each, 0.0), odds * probability.get(whole, 0.0))
+        return self._with(probability)
+
+    def _with(self, probability: Mapping[Set, float]) -> Masses:
+        """Other probabilities, not normalised, of the sets and of more of them."""
         new = [each for each in probability if each not in self.sets]
         structures = (*self.structures, *(frozenset((c, 0) for c in each) for each in new))
         log = np.append(self.log, np.full(len(new), -np.inf))
-        mixture = np.array(list(probability.values())) / (1.0 + sum(odds))
-        return Masses((*self.sets, *new), structures, log, mixture)
+        masses = np.array(list(probability.values()))
+        return Masses((*self.sets, *new), structures, log, masses / masses.sum())
 
     def place(self, holds: Collection[int], without: Collection[int] = ()) -> int | None:
         """Of the most probable set that holds some candidates and none of some others; None: there is none."""

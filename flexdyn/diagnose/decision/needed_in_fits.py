@@ -22,27 +22,27 @@ def needed_in_fits(found: Posterior) -> Posterior:
 
     The linear equations may promise much for a candidate that takes up the error of another one's linearisation. A fit
     without it then leaves as little. The candidate without which a fit is most likely is left out, and again, until all
-    are missed. Every structure that was tried keeps its odds, so that one of two that a fit needs is an "A or B".
+    are missed. Every structure that was tried keeps its odds: of two candidates of which a fit needs one, "A or B".
 
     Args:
         found: the posterior, whose best structure is fitted to the equations.
     """
     space, best, made = found.space, found.best, found.fitted
-    odds: dict[frozenset[int], float] = {}
+    odds: list[tuple[frozenset[int], frozenset[int], float]] = []
     doubtful = sorted(best)
     while doubtful:
         here = log_posterior(space, best, made)
         tried = {each: _without(space, best, each, made, here) for each in doubtful}
         values = {each: value for each, (value, _) in tried.items()}
-        for each, value in values.items():
-            odds[frozenset(c for c, _ in best - {each})] = math.exp(min(0.0, value - here))
+        whole = frozenset(c for c, _ in best)
+        odds += [(whole - {c}, whole, math.exp(min(0.0, value - here))) for (c, _), value in values.items()]
         least = max(values, key=lambda each: values[each])
         rest = tried[least][1]
         if rest is None or values[least] <= here:
             break
         best, made = best - {least}, rest
         doubtful = [each for each in doubtful if each != least and values[each] > here - OCCAM_WINDOW]
-    return dataclasses.replace(found, best=best, fitted=made, left_out=tuple(odds.items()))
+    return dataclasses.replace(found, best=best, fitted=made, left_out=tuple(odds))
 
 
 def _without(space: Space, best: Structure, each: tuple[int, int], made: Fit, here: float) -> tuple[float, Fit | None]:
