@@ -143,14 +143,18 @@ def log_posterior(space: Space, structure: Structure, made: Fit) -> float:
 
 
 def log_density(space: Space, made: Fit) -> float:
-    """Log likelihood of what a fit leaves, under the model error of a linearisation, and of its numbers' priors."""
+    """Log likelihood of what a fit leaves, under the model error of a linearisation, and of the priors.
+
+    These are of the numbers and of the offsets of the encoders: an offset may take up a torque that is missing.
+    """
     return log_density_at(space, made.hypothesis, made.equations, made.space)
 
 
 def log_density_at(space: Space, there: Hypothesis, at: Equations, work: Workspace) -> float:
     """The same of a hypothesis that has these equations, with the weights of a workspace."""
     centre, sigma = priors(there, work)
-    return space.noise.log_likelihood(squares_left(at, work)) - 0.5 * float(np.sum((centre / sigma) ** 2))
+    improbable = float(np.sum((centre / sigma) ** 2)) + work.at(at).improbability(at.residual)
+    return space.noise.log_likelihood(squares_left(at, work)) - 0.5 * improbable
 
 
 def squares_left(at: Equations, work: Workspace) -> Array:
