@@ -34,7 +34,7 @@ def test_what_is_there_is_missed_and_what_is_not_is_left_out(found: Posterior) -
     (friction,) = found.best
     offset = (_place(found, "torque_offset"), 0)
     made = needed_in_fits(with_best(found, found.best | {offset}))
-    odds = {rest: each for rest, _, each in made.left_out}
+    odds = {rest: each for rest, _, each in made.by_fits}
     assert made.best == found.best
     assert [effect.name for effect in made.fitted.hypothesis.effects] == ["coulomb_friction"]
     assert odds[frozenset({friction[0]})] == 1.0
@@ -46,7 +46,7 @@ def test_what_is_needed_stays(found: Posterior) -> None:
     """Friction alone: the structure and its fit are as before."""
     made = needed_in_fits(found)
     assert (made.best, made.fitted) == (found.best, found.fitted)
-    ((rest, whole, odds),) = made.left_out
+    ((rest, whole, odds),) = made.by_fits
     assert (rest, whole) == (frozenset(), frozenset(c for c, _ in found.best))
     assert odds < 1e-6
 

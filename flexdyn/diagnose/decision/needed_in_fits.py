@@ -6,15 +6,13 @@ import dataclasses
 import math
 
 from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
-from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.elsewhere import STEPS_ELSEWHERE, STEPS_TRIED, log_posterior
+from flexdyn.diagnose.inference.elsewhere import fit_if_likely, log_posterior
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.search import OCCAM_WINDOW
 from flexdyn.diagnose.inference.space import Space, Structure
-from flexdyn.errors import SimulationError
 
 
 def needed_in_fits(found: Posterior) -> Posterior:
@@ -42,24 +40,13 @@ def needed_in_fits(found: Posterior) -> Posterior:
             break
         best, made = best - {least}, rest
         doubtful = [each for each in doubtful if each != least and values[each] > here - OCCAM_WINDOW]
-    return dataclasses.replace(found, best=best, fitted=made, left_out=tuple(odds))
+    return dataclasses.replace(found, best=best, fitted=made, by_fits=tuple(odds))
 
 
 def _without(space: Space, best: Structure, each: tuple[int, int], made: Fit, here: float) -> tuple[float, Fit | None]:
-    """Log posterior of a structure without one of its candidates, and its fit; it ends early where it cannot be likely.
-
-    The fit begins at the numbers of that of the whole structure.
-    """
-    rest = best - {each}
-    try:
-        without = fit(_hypothesis_without(made.hypothesis, space.candidates[each[0]]), made.space, steps=STEPS_TRIED)
-    except SimulationError:  # nothing can be computed without it
-        return -math.inf, None
-    value = log_posterior(space, rest, without)
-    if value + 0.5 * (without.reached - without.chi2) > here - OCCAM_WINDOW:
-        without = fit(without.hypothesis, made.space, steps=STEPS_ELSEWHERE)
-        value = log_posterior(space, rest, without)
-    return value, without
+    """Log posterior of a structure without one of its candidates, and its fit, which begins at that of the whole one."""
+    start = _hypothesis_without(made.hypothesis, space.candidates[each[0]])
+    return fit_if_likely(space, best - {each}, start, made, here - OCCAM_WINDOW)
 
 
 def _hypothesis_without(here: Hypothesis, candidate: Candidate) -> Hypothesis:

@@ -8,6 +8,7 @@ from flexdyn.diagnose.decision.corrected import Corrected, corrected
 from flexdyn.diagnose.decision.needed_in_fits import needed_in_fits
 from flexdyn.diagnose.decision.one_law import by_plainer_laws, in_one_law, with_best
 from flexdyn.diagnose.decision.refitted import share_in_forces
+from flexdyn.diagnose.decision.rivals_in_fits import rivals_in_fits
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.report.suspects import ESTABLISHED
@@ -23,17 +24,17 @@ def told(compared: Posterior, plain: Workspace) -> tuple[Posterior, Corrected]:
         compared: the posterior over structures.
         plain: the equations of the model as given, with the sensors' weights.
     """
-    compared = needed_in_fits(compared)
-    by_fits = functools.partial(share_in_forces, compared) if plain.equations.replayed.any() else None
-    found = corrected(compared, plain, by_fits)
+    compared = rivals_in_fits(needed_in_fits(compared))
+    shares = functools.partial(share_in_forces, compared) if plain.equations.replayed.any() else None
+    found = corrected(compared, plain, shares)
     other = in_one_law(by_plainer_laws(compared, found.genuine), _named(found))
-    again = found if other is compared else corrected(other, plain, by_fits)
+    again = found if other is compared else corrected(other, plain, shares)
     new = {c for c, _ in other.best} - {c for c, _ in compared.best}
     if not new or new & _named(again):  # only if what was put in place has a name
         compared, found = other, again
     other = _without_imitations(compared, found)
     if other is not compared:
-        again = corrected(other, plain, by_fits)
+        again = corrected(other, plain, shares)
         if _named(again) > _named(found):
             return other, again
     return compared, found

@@ -99,6 +99,27 @@ def best_where_not_linear(space: Space, best: Structure, base: Fit, stands: Stru
     return best
 
 
+def fit_if_likely(space: Space, structure: Structure, start: Hypothesis, base: Fit, least: float) -> tuple[float, Fit | None]:
+    """Log posterior of a structure by its fit, and the fit, which ends early where it will not reach a least value.
+
+    Args:
+        space: of the linearisation.
+        structure: to be fitted.
+        start: its first values.
+        base: a fit under whose weights this one is made.
+        least: log posterior that it must reach to be of interest.
+    """
+    try:
+        made = fit(start, base.space, steps=STEPS_TRIED)
+    except SimulationError:  # nothing can be computed there
+        return -math.inf, None
+    value = log_posterior(space, structure, made)
+    if value + 0.5 * (made.reached - made.chi2) > least:
+        made = fit(made.hypothesis, base.space, steps=STEPS_ELSEWHERE)
+        value = log_posterior(space, structure, made)
+    return value, made
+
+
 def _lacks(space: Space, made: Fit) -> bool:
     """Whether a fit leaves more than noise, chance and a misjudged level of the noise make."""
     count, squares = space.noise.count, squares_left(made.equations, made.space)

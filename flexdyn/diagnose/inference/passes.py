@@ -53,7 +53,7 @@ class Posterior:
         earlier: kinds and places of the best structures at other linearisations, where these do not agree: of a cycle
             since it began; if the search did not settle, all but that at the file's numbers.
         expected: kinds of effects that the user expects of this drive.
-        left_out: candidates of structures, those of structures that have one more, and the odds of the former to the
+        by_fits: candidates of structures, those of structures that have one more, and the odds of the former to the
             latter by fits.
     """
 
@@ -65,7 +65,7 @@ class Posterior:
     known: Mapping[Structure, float]
     expected: tuple[str, ...] = ()
     earlier: tuple[Places, ...] = ()
-    left_out: tuple[tuple[frozenset[int], frozenset[int], float], ...] = ()
+    by_fits: tuple[tuple[frozenset[int], frozenset[int], float], ...] = ()
 
     @lazy
     def elsewhere(self) -> tuple[tuple[frozenset[int], float], ...]:
