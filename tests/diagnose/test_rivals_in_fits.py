@@ -50,13 +50,14 @@ def test_a_rival_that_fits_better_takes_the_place(found: Posterior) -> None:
     assert {c for c, _ in made.best} == {c for c, _ in found.best}
     (wave,) = made.fitted.hypothesis.effects
     assert isinstance(wave, fd.effects.EncoderEccentricity)
-    assert (wave.channel, wave.amplitude) == ("theta.shoulder", pytest.approx(AMPLITUDE, rel=0.02))
+    assert wave.channel == "theta.shoulder"
+    assert wave.amplitude == pytest.approx(AMPLITUDE, rel=0.02)
     ((_, whole, odds),) = [each for each in made.by_fits if each[0] == frozenset(c for c, _ in made.best)]
     assert (whole, odds > 1e6) == (frozenset({gear}), True)
 
 
 def test_offsets_are_integrated_out(found: Posterior) -> None:
-    """Squares left and of the offsets are those of rows whose covariance has the offsets: ``w^T (1 + N S N^T)^-1 w``."""
+    """Squares left and of offsets are those of rows whose covariance has them: ``w^T (1 + N S N^T)^-1 w``."""
     work = found.fitted.space
     residual = found.fitted.equations.residual
     N, w = work.nuisance * work.nuisance_sigma, work.whiten(residual)

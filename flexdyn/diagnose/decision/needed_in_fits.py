@@ -44,7 +44,7 @@ def needed_in_fits(found: Posterior) -> Posterior:
 
 
 def _without(space: Space, best: Structure, each: tuple[int, int], made: Fit, here: float) -> tuple[float, Fit | None]:
-    """Log posterior of a structure without one of its candidates, and its fit, which begins at that of the whole one."""
+    """Log posterior of a structure without one of its candidates, and its fit; it begins at that of the whole one."""
     start = _hypothesis_without(made.hypothesis, space.candidates[each[0]])
     return fit_if_likely(space, best - {each}, start, made, here - OCCAM_WINDOW)
 

@@ -1,11 +1,10 @@
-"""Fits with other candidates in the place of one of the best structure's, which the equations can hardly tell from it."""
+"""Fits with another candidate in the place of one that the linear equations can hardly tell from it."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
 
-from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.inference.elsewhere import fit_if_likely, log_posterior
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.search import OCCAM_WINDOW, Scan
@@ -13,7 +12,7 @@ from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
 
 RIVAL_LOSS = 0.01
-"""Share of what a candidate gains that the linear equations may be wrong by: another one that loses less is fitted [1]."""
+"""Share of a candidate's gain by which the linear equations may be wrong: a rival that loses less is fitted [1]."""
 LARGEST_LOG_ODDS = 300.0
 """Larger ones are certainty."""
 
@@ -21,9 +20,9 @@ LARGEST_LOG_ODDS = 300.0
 def rivals_in_fits(found: Posterior) -> Posterior:
     """The posterior whose best structure is the most likely by fits among it and those with a rival in it.
 
-    The linear equations are wrong by the squares of the changes. So a candidate may be preferred to another one that
-    moves the rows almost as it does, though a fit with the other one is as good. Each candidate of the best structure is
-    replaced by each of these. The odds by fits are kept for the probabilities of names.
+    The linear equations are wrong by the squares of the changes. So they may prefer a candidate to another one that
+    moves the rows almost as it does, though a fit with the other one is as good. Each candidate of the best structure
+    is replaced by each of these. The odds by fits are kept for the probabilities of names.
 
     Args:
         found: the posterior, whose best structure is fitted to the equations.
@@ -33,7 +32,8 @@ def rivals_in_fits(found: Posterior) -> Posterior:
     whole = frozenset(c for c, _ in best)
     likely, odds = (here, best, made), list(found.by_fits)
     for structure in _swapped(space, best):
-        value, other = fit_if_likely(space, structure, hypothesis_of(space, structure, whole=True), made, here - OCCAM_WINDOW)
+        start = hypothesis_of(space, structure, whole=True)
+        value, other = fit_if_likely(space, structure, start, made, here - OCCAM_WINDOW)
         if other is None:
             continue
         odds.append((frozenset(c for c, _ in structure), whole, math.exp(min(value - here, LARGEST_LOG_ODDS))))

@@ -99,7 +99,9 @@ def best_where_not_linear(space: Space, best: Structure, base: Fit, stands: Stru
     return best
 
 
-def fit_if_likely(space: Space, structure: Structure, start: Hypothesis, base: Fit, least: float) -> tuple[float, Fit | None]:
+def fit_if_likely(
+    space: Space, structure: Structure, start: Hypothesis, base: Fit, least: float
+) -> tuple[float, Fit | None]:
     """Log posterior of a structure by its fit, and the fit, which ends early where it will not reach a least value.
 
     Args:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -89,12 +90,28 @@ class Sizes:
         return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)) / (self.reference[row] * scale))
 
     def resolution(self, place: Mapping[str, str]) -> float:
-        """Step of the encoders [rad or m] for effects on positions: what is smaller may be rounding; 0 for others."""
+        """Size of effects on positions [rad or m] below which they may be rounding; 0 for others.
+
+        An offset may be a whole step of the encoder. Rounding errors repeat with the angle, and of n steps that were
+        passed they are independent. The amplitude of a wave fitted to them has the standard deviation
+        ``step/sqrt(6 n)``; five of these are ``2 step/sqrt(n)``.
+        """
+        kind = registered()[place["effect"]]
         signal, _, joint = place.get("channel", "").partition(".")
-        if not registered()[place["effect"]].position_error or signal.startswith("tau"):
+        if not kind.position_error or signal.startswith("tau"):
             return 0.0
         j = self.equations.true.index(place.get("joint") or joint)
-        return float(np.sqrt(12.0) * max(self.noise.q[j], self.noise.theta[j]))
+        steps = {each: float(np.sqrt(12.0) * of[j]) for each, of in (("q", self.noise.q), ("theta", self.noise.theta))}
+        own = {signal: steps[signal]} if signal in steps else steps
+        if "harmonic" not in {each.name for each in kind.parameters()}:
+            return max(own.values())
+        passed = {each: max(self._passed(each, j, step), 1.0) for each, step in own.items()}
+        return max(step * min(1.0, 2.0 / math.sqrt(passed[each])) for each, step in own.items())
+
+    def _passed(self, signal: str, j: int, step: float) -> float:
+        """Steps of an encoder between its joint's least and greatest position."""
+        seen = np.concatenate([getattr(along, signal)[:, j] for along in self.equations.motions])
+        return float(np.ptp(seen)) / max(step, 1e-300)
 
     def rows_of(self, joint: str) -> int:
         """Rows that a gain of a joint's torque scales: those for which the recorded torque makes the link's position.
