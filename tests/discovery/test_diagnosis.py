@@ -13,8 +13,7 @@ from tests.discovery.shortened import diagnosed
 
 CASES = [
     ("pair", 5, 22, "Stribeck friction on a link and a torque limit on the other motor"),
-    ("motor_only", 102001, 0, "hysteresis of a spring"),
-    ("link_only", 4, 12, "damping of a transmission"),
+    ("motor_only", 5, 10, "Coulomb friction on a motor"),
     ("rigid", 5, 7, "viscous friction"),
     ("none", 4, 0, "nothing"),
     ("outside", 4, 0, "a torque that drifts"),
@@ -30,7 +29,8 @@ MORE = [
     ("single", 5, 6, "presliding friction on a motor"),
     ("single", 5, 26, "a hardening spring"),
     ("single", 5, 79, "torque ripple"),
-    ("motor_only", 5, 10, "Coulomb friction on a motor"),
+    ("motor_only", 102001, 0, "hysteresis of a spring"),
+    ("link_only", 4, 12, "damping of a transmission"),
     ("none", 4, 1, "nothing"),
     ("outside", 4, 1, "a fan"),
     ("single", 3, 11, "a torque offset"),

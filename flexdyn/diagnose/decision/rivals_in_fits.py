@@ -55,5 +55,8 @@ def _swapped(space: Space, best: Structure) -> list[Structure]:
 
 
 def _related(space: Space, c: int) -> set[int]:
-    """A candidate, and those that contain it or that it contains: which of these is told does not depend on corners."""
-    return {c, *space.contained[c], *(other for other, inside in space.contained.items() if c in inside)}
+    """A candidate, and laws at its place that contain it or that it contains: the plainer one of these is told."""
+    me = space.candidates[c]
+    inside = {*me.law.contains, *me.law.plainer}
+    there = [(k, other) for k, other in enumerate(space.candidates) if other.spot == me.spot]
+    return {c, *(k for k, each in there if each.kind in inside or me.kind in (*each.law.contains, *each.law.plainer))}
