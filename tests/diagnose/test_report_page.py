@@ -142,9 +142,9 @@ def test_much_is_folded_away_and_drawn_when_it_is_opened(tmp_path: Path) -> None
 MARKUP = "</script><img src=x onerror=\"document.title='stolen'\"><b>{{STYLE}}'&lt;"
 
 
-@pytest.mark.parametrize("evil", [MARKUP, f"\x1b[31m\u202e{MARKUP}{'n' * 10_000}"], ids=["markup", "terminal and long"])
-def test_names_of_any_origin_do_no_harm(evil: str, tmp_path: Path) -> None:
+def test_names_of_any_origin_do_no_harm(tmp_path: Path) -> None:
     """Joints, files, notes and titles that are markup are shown as they are written, and no script of theirs runs."""
+    evil = f"\x1b[31m\u202e{MARKUP}{'n' * 10_000}"
     suspect = Suspect(evil, evil, "motor", {evil: Number(1.0, 0.1, evil)}, {"channel": evil})
     rival = dataclasses.replace(suspect, place={})
     diagnosis = dataclasses.replace(

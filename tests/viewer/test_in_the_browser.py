@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 import time
 from pathlib import Path
@@ -11,10 +12,12 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from tests.browser import OpenPage, Picture, open_page
+from tests import browser
+from tests.browser import OpenPage, Picture
 from tests.viewer.arms import rigid_run, shapeless, swinging, two_link_run
 
 pytestmark = pytest.mark.usefixtures("one_browser")
+open_page = functools.partial(browser.open_page, width=1000, height=562)  # the processor draws every pixel
 
 
 def ready(page: OpenPage) -> None:
