@@ -53,8 +53,7 @@ class Posterior:
         earlier: kinds and places of the best structures at other linearisations, where these do not agree: of a cycle
             since it began; if the search did not settle, all but that at the file's numbers.
         expected: kinds of effects that the user expects of this drive.
-        by_fits: candidates of structures, those of structures that have one more, and the odds of the former to the
-            latter by fits.
+        by_fits: sets of candidates, each with another set that has one more or one other, and the odds to that by fits.
     """
 
     space: Space
