@@ -169,6 +169,20 @@ def test_a_sensors_column_is_the_slope_of_the_residual(signal: str, name: str, s
     assert np.linalg.norm(found - slope) < 0.02 * np.linalg.norm(slope)
 
 
+@pytest.mark.parametrize("signal", ["q", "theta", "tau"])
+@pytest.mark.parametrize("delay", [1e-3, 12.2e-3])
+def test_the_column_of_a_lag_is_the_slope_of_the_residual(signal: str, delay: float) -> None:
+    """By central differences of the whole model, also where the lag is several samples long."""
+    given = equations(Levels(1e-6, 1e-3), 0)
+    lag = fd.effects.ChannelLag(f"{signal}.shoulder", delay=delay)
+    at = given.of(given.model.replace(effects=[*given.model.effects, lag]))
+    sides = [lag.replace(delay=delay + way * 1e-5) for way in (1.0, -1.0)]
+    up, down = (at.of(at.model.replace(effects=[*given.model.effects, each])).residual for each in sides)
+    slope, found = (up - down) / 2e-5, columns.of_parameter(at, lag, "delay", 1e-5)
+    near = 0.03 if signal == "tau" else 0.02  # the column of a torque is that of its samples, not of what is held
+    assert np.linalg.norm(found - slope) < near * np.linalg.norm(slope)
+
+
 def test_a_lag_is_seen_as_it_is() -> None:
     """To first order, the column of a lag is the residual of a recording that lags, less that of one that does not."""
     model = two_link(ARM)

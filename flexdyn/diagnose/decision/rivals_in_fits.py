@@ -7,6 +7,7 @@ import math
 
 from flexdyn.diagnose.inference.elsewhere import fit_if_likely, log_posterior
 from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.inference.search import OCCAM_WINDOW, Scan
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
@@ -18,7 +19,7 @@ LARGEST_LOG_ODDS = 300.0
 
 
 def rivals_in_fits(found: Posterior) -> Posterior:
-    """The posterior whose best structure is the most likely by fits among it and those with a rival in it.
+    """The posterior whose best structure has a rival in it where a fit makes that more likely by more than a mention.
 
     The linear equations are wrong by the squares of the changes. So they may prefer a candidate to another one that
     moves the rows almost as it does, though a fit with the other one is as good. Each candidate of the best structure
@@ -30,7 +31,7 @@ def rivals_in_fits(found: Posterior) -> Posterior:
     space, best, made = found.space, found.best, found.fitted
     here = log_posterior(space, best, made)
     whole = frozenset(c for c, _ in best)
-    likely, odds = (here, best, made), list(found.by_fits)
+    likely, odds = (here + EVEN_ODDS_WINDOW, best, made), list(found.by_fits)
     for structure in _swapped(space, best):
         start = hypothesis_of(space, structure, whole=True)
         value, other = fit_if_likely(space, structure, start, made, here - OCCAM_WINDOW)

@@ -13,6 +13,7 @@ from flexdyn.diagnose.equations.equations import Equations, Torques
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import of_joint, spring_torque
 from flexdyn.effects import ChannelLag, SensorEffect
+from flexdyn.effects.channels import by_channel
 
 
 def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect | None = None) -> Array:
@@ -23,21 +24,26 @@ def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect 
     Args:
         equations: of the model.
         effect: of a sensor.
-        instead: another effect of its kind, whose error is subtracted; None: none.
+        instead: one that the model has, in whose place it comes; None: it is another one.
     """
     signal, j = effect.signal, equations.true.index(effect.joint)
+    has = [effect if each == instead else each for each in by_channel(equations.model.effects).get(effect.channel, ())]
+    recorded = {id(along): data for along, data in zip(equations.motions, equations.data, strict=True)}
 
-    def error(data: Measured) -> Array:
-        seen = data.channel(signal)[:, j]
-        return _true(effect, data, seen) - (seen if instead is None else _true(instead, data, seen))
+    def error(along: SmoothedMotion) -> Array:
+        # The data of a motion are without the model's sensor effects: one of these is moved on the recorded channel.
+        seen, data = along.data.channel(signal)[:, j], recorded[id(along)]
+        if instead is None:
+            return _true(effect, along.data, seen) - seen
+        return true_channel(has, data.channel(signal)[:, j], data) - seen
 
     def torques(along: SmoothedMotion) -> Torques:
-        wrong = _smoothed(equations, along, error(along.data), 0)
+        wrong = _smoothed(equations, along, error(along), 0)
         return (wrong, None, None) if signal == "tau" else (None, None, wrong)
 
     if signal in ("tau", "tau_s"):
         return equations.of_terms(j, torques)
-    return np.concatenate([_moved(equations, each, signal, j, error(each.data)).ravel() for each in equations.motions])
+    return np.concatenate([_moved(equations, each, signal, j, error(each)).ravel() for each in equations.motions])
 
 
 def _true(effect: SensorEffect, data: Measured, seen: Array) -> Array:
