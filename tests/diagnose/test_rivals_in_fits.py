@@ -62,5 +62,5 @@ def test_offsets_are_integrated_out(found: Posterior) -> None:
     residual = found.fitted.equations.residual
     N, w = work.nuisance * work.nuisance_sigma, work.whiten(residual)
     expected = w @ np.linalg.solve(np.eye(len(w)) + N @ N.T, w)
-    found_squares = float((work.white(residual) ** 2).sum()) + work.improbability(residual)
-    assert found_squares == pytest.approx(expected, rel=1e-6)
+    white, of_offsets = work.without_offsets(residual)
+    assert float(white @ white) + of_offsets == pytest.approx(expected, rel=1e-6)

@@ -167,17 +167,14 @@ class Workspace:
 
     def white(self, residual: Array) -> Array:
         """The whitened residual after the best offsets of the encoders are subtracted (rows,)."""
-        white = self.whiten(residual)
-        return np.asarray(white - self.nuisance @ self._offsets(white))
+        return self.without_offsets(residual)[0]
 
-    def improbability(self, residual: Array) -> float:
-        """Sum of squares of these best offsets over their standard deviations."""
-        return float(np.sum((self._offsets(self.whiten(residual)) / self.nuisance_sigma) ** 2))
-
-    def _offsets(self, white: Array) -> Array:
-        """The best values of the nuisance columns (k,)."""
-        N, loose = self.nuisance, np.diag(1.0 / self.nuisance_sigma**2)
-        return np.asarray(np.linalg.solve(N.T @ N + loose, N.T @ white))
+    def without_offsets(self, residual: Array) -> tuple[Array, float]:
+        """The same rows, and the sum of squares of these offsets over their standard deviations."""
+        white, offsets = self.whiten(residual), self.nuisance
+        loose = np.diag(1.0 / self.nuisance_sigma**2)
+        values = np.linalg.solve(offsets.T @ offsets + loose, offsets.T @ white)
+        return np.asarray(white - offsets @ values), float(np.sum((values / self.nuisance_sigma) ** 2))
 
     @property
     def rows(self) -> int:

@@ -176,14 +176,20 @@ def log_density(space: Space, made: Fit) -> float:
 def log_density_at(space: Space, there: Hypothesis, at: Equations, work: Workspace) -> float:
     """The same of a hypothesis that has these equations, with the weights of a workspace."""
     centre, sigma = priors(there, work)
-    improbable = float(np.sum((centre / sigma) ** 2)) + work.at(at).improbability(at.residual)
-    return space.noise.log_likelihood(squares_left(at, work)) - 0.5 * improbable
+    squares, of_offsets = _left(at, work)
+    return space.noise.log_likelihood(squares) - 0.5 * (float(np.sum((centre / sigma) ** 2)) + of_offsets)
 
 
 def squares_left(at: Equations, work: Workspace) -> Array:
     """Sums of the squared rows of each equation, in units of the sensors' noise (equations,)."""
+    return _left(at, work)[0]
+
+
+def _left(at: Equations, work: Workspace) -> tuple[Array, float]:
+    """The same, and the sum of squares of the encoders' offsets over their standard deviations."""
     weights, many = work.at(at), len(at.kinds)
-    squares = (weights.white(at.residual).reshape(-1, many) ** 2).sum(axis=0)
+    white, of_offsets = weights.without_offsets(at.residual)
+    squares = (white.reshape(-1, many) ** 2).sum(axis=0)
     if isinstance(weights.whiten, Tempered):
         squares = squares * weights.whiten.error.scale**2 * weights.whiten.error.times
-    return np.asarray(squares)
+    return np.asarray(squares), of_offsets
