@@ -50,6 +50,14 @@ def test_what_shares_the_probability_is_a_rival() -> None:
     assert names(two_will_do, frozenset({1, 9}))[0].rivals == (2,)
 
 
+def test_what_stands_in_the_place_of_another_is_no_rival() -> None:
+    """8 stands for 7. A set with 8 and without 1 is less probable than the same set with 1: it lacks 1, and no more."""
+    masses = _masses({(1, 7): 0.5, (1, 8): 0.4, (8,): 0.06, (7,): 0.04})
+    one, seven = names(masses, frozenset({1, 7}))
+    assert one == Name(1, (), pytest.approx(0.9))
+    assert (seven.rivals, seven.probability) == ((8,), pytest.approx(1.0))
+
+
 def test_what_may_be_an_imitation_needs_more_rivals() -> None:
     """Alone it is there with 0.96, but genuine with 0.97 only; one of two is there with 0.99."""
     masses = _masses({(1,): 0.96, (2,): 0.03, (): 0.01})

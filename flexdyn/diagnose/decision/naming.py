@@ -70,10 +70,15 @@ def _named(masses: Masses, best: Set, candidate: int, genuine: float, stands_in:
 def standing_in(
     masses: Masses, best: Set, named: set[int], stands_in: Callable[[int], bool] = lambda _: True
 ) -> dict[int, float]:
-    """Probability of every further rival in the sets that hold nothing that is named yet."""
+    """Probability of every further rival in the sets that hold nothing that is named yet.
+
+    A set that were more probable with one of these as well only lacks it: nothing stands in its place there.
+    """
     found: dict[int, float] = {}
-    for mine, probability in zip(masses.sets, masses.probability.tolist(), strict=True):
-        if mine.isdisjoint(named):
-            for c in mine - best:
-                found[c] = found.get(c, 0.0) + probability
+    known = dict(zip(masses.sets, masses.probability.tolist(), strict=True))
+    for mine, probability in known.items():
+        if not mine.isdisjoint(named) or any(known.get(mine | {c}, 0.0) > probability for c in named):
+            continue
+        for c in mine - best:
+            found[c] = found.get(c, 0.0) + probability
     return {c: mass for c, mass in found.items() if mass >= RIVAL_PROBABILITY and stands_in(c)}

@@ -30,7 +30,9 @@ def told(compared: Posterior, plain: Workspace) -> tuple[Posterior, Corrected]:
     other = in_one_law(by_plainer_laws(compared, found.genuine), _named(found))
     again = found if other is compared else corrected(other, plain, shares)
     new = {c for c, _ in other.best} - {c for c, _ in compared.best}
-    if not new or new & _named(again):  # only if what was put in place has a name
+    # Only if what was put in place has a name, and nothing else loses its own.
+    still = _named(found) & {c for c, _ in other.best}
+    if not new or (new & _named(again) and still <= _named(again)):
         compared, found = other, again
     other = _without_imitations(compared, found)
     if other is not compared:
