@@ -58,6 +58,21 @@ def test_what_stands_in_the_place_of_another_is_no_rival() -> None:
     assert (seven.rivals, seven.probability) == ((8,), pytest.approx(1.0))
 
 
+def test_at_even_odds_one_of_two_is_needed() -> None:
+    """With 2, nobody knows whether 1 is there as well; without both, nothing explains the data."""
+    (name,) = names(_masses({(1,): 0.8, (1, 2): 0.12, (2,): 0.08}), frozenset({1}))
+    assert (name.rivals, name.probability) == ((2,), pytest.approx(1.0))
+
+
+def test_the_rival_that_comes_in_its_place_is_told_before_one_that_comes_anyway() -> None:
+    """5 is as often in sets with 1 as without it, 3 only in the place of 1."""
+    masses = _masses({(1,): 0.4, (1, 5): 0.4, (3, 5): 0.12, (3,): 0.08})
+    (name,) = names(masses, frozenset({1}))
+    assert name.rivals == (3,)
+    masses = _masses({(1,): 0.4, (1, 5): 0.4, (3, 5): 0.19, (4,): 0.01})
+    assert names(masses, frozenset({1}))[0].rivals == (3,)
+
+
 def test_what_may_be_an_imitation_needs_more_rivals() -> None:
     """Alone it is there with 0.96, but genuine with 0.97 only; one of two is there with 0.99."""
     masses = _masses({(1,): 0.96, (2,): 0.03, (): 0.01})

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 from flexdyn.diagnose.decision.masses import Masses, Set
+from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.report.suspects import ESTABLISHED
 
 RIVAL_PROBABILITY = 0.02
@@ -62,7 +64,8 @@ def _named(masses: Masses, best: Set, candidate: int, genuine: float, stands_in:
         more = standing_in(masses, best, {candidate, *rivals}, stands_in)
         if not more:
             break
-        rivals.append(min(more, key=lambda c: (-more[c], c)))
+        # The one that is mostly there where the others are not, and not one that is there anyway.
+        rivals.append(min(more, key=lambda c: (-(more[c] ** 2) / masses.of_any([c]), c)))
         together = masses.of_any([candidate, *rivals])
     return Name(candidate, tuple(rivals), together * genuine)
 
@@ -72,12 +75,13 @@ def standing_in(
 ) -> dict[int, float]:
     """Probability of every further rival in the sets that hold nothing that is named yet.
 
-    A set that were more probable with one of these as well only lacks it: nothing stands in its place there.
+    A set that is more probable with one of these as well, at odds above 3, only lacks it: nothing stands in its place.
     """
     found: dict[int, float] = {}
     known = dict(zip(masses.sets, masses.probability.tolist(), strict=True))
+    odds = math.exp(EVEN_ODDS_WINDOW)
     for mine, probability in known.items():
-        if not mine.isdisjoint(named) or any(known.get(mine | {c}, 0.0) > probability for c in named):
+        if not mine.isdisjoint(named) or any(known.get(mine | {c}, 0.0) > odds * probability for c in named):
             continue
         for c in mine - best:
             found[c] = found.get(c, 0.0) + probability

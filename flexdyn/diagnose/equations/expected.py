@@ -13,6 +13,7 @@ from flexdyn.diagnose.data.measured import SIGNALS, Measured
 from flexdyn.diagnose.equations.covariance import Channel, SampleNoise, Terms, Whitener, coefficients, kernels_of
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
+from flexdyn.effects.channels import by_channel, lag
 
 
 def expected_data(equations: Equations, noise: SampleNoise, whiten: Whitener, scale: Array) -> tuple[Measured, ...]:
@@ -46,10 +47,14 @@ def _less_noise(
     """One recording less S A^T of its weighted rows (times, equations)."""
     columns: dict[str, Any] = {signal: data.channel(signal).copy() for signal in SIGNALS}
     at = along.lost + equations.filters.instants(len(along.t))
+    sensors = by_channel(equations.model.effects)
     for channel, orders in coefficients(equations, along).items():
         signal, j = channel
         variance = float(getattr(noise, signal)[j]) ** 2
-        columns[signal][:, j] -= variance * spread(equations, channel, orders, rows, at, len(data.t))
+        found = variance * spread(equations, channel, orders, rows, at, len(data.t))
+        late = lag(sensors.get(f"{signal}.{equations.true.joint_names[j]}", ()))
+        # The recorded channel has it later by the lag that is taken off for the rows.
+        columns[signal][:, j] -= np.interp(data.t - late, data.t, found) if late else found
     return dataclasses.replace(data, **columns)
 
 

@@ -10,6 +10,7 @@ from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import true_channel
 from flexdyn.diagnose.equations.equations import Equations, Torques
+from flexdyn.diagnose.equations.held_torque import centred
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import of_joint, spring_torque
 from flexdyn.effects import ChannelLag, SensorEffect
@@ -38,8 +39,9 @@ def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect 
         return true_channel(has, data.channel(signal)[:, j], data) - seen
 
     def torques(along: SmoothedMotion) -> Torques:
-        wrong = _smoothed(equations, along, error(along), 0)
-        return (wrong, None, None) if signal == "tau" else (None, None, wrong)
+        if signal == "tau":
+            return _smoothed(equations, along, centred(error(along)), 0), None, None
+        return None, None, _smoothed(equations, along, error(along), 0)
 
     if signal in ("tau", "tau_s"):
         return equations.of_terms(j, torques)

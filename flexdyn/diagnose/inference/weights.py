@@ -93,6 +93,8 @@ def for_fit(
         error = error_of(plain, at.residual, seen)
     if not np.isfinite(error.scale).all():
         raise SimulationError(NOT_FINITE, reason="overflow")
+    if bare.along is None:  # the hypothesis has springs that the linearisation lacks
+        bare, plain, _ = along_expected(bare, plain, there, at, seen)
     made = tempered(plain, error)
     if not at.noisy:
         return made
