@@ -179,8 +179,7 @@ def test_the_column_of_a_lag_is_the_slope_of_the_residual(signal: str, delay: fl
     sides = [lag.replace(delay=delay + way * 1e-5) for way in (1.0, -1.0)]
     up, down = (at.of(at.model.replace(effects=[*given.model.effects, each])).residual for each in sides)
     slope, found = (up - down) / 2e-5, columns.of_parameter(at, lag, "delay", 1e-5)
-    near = 0.03 if signal == "tau" else 0.02  # the column of a torque is that of its samples, not of what is held
-    assert np.linalg.norm(found - slope) < near * np.linalg.norm(slope)
+    assert np.linalg.norm(found - slope) < (0.005 if signal == "tau" else 0.02) * np.linalg.norm(slope)
 
 
 def test_a_lag_is_seen_as_it_is() -> None:

@@ -15,6 +15,8 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.expected import expected_data, spread
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.linear import linearised, reached
 from flexdyn.diagnose.hypothesis.number_columns import of_numbers
 from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
 from flexdyn.diagnose.inference.weights import along_expected, for_fit, rows_of
@@ -64,6 +66,57 @@ def test_rows_say_of_samples_what_samples_do_to_rows(clean: tuple[Equations, Sam
         if channel[0] == "tau"
     )
     assert back == pytest.approx(float(change @ change), rel=0.01)
+
+
+def test_the_noise_of_a_late_channel_is_found_where_it_was_recorded(clean: tuple[Equations, SampleNoise]) -> None:
+    """What is expected of white noise resembles it most at its own samples, by whatever the channel is late."""
+    at, noise = clean
+    late, (data,) = 5, at.data
+    recorded = dataclasses.replace(data, tau=np.roll(data.tau, late, axis=0))
+    lags = [fd.effects.ChannelLag(f"tau.{joint}", delay=late * data.dt) for joint in at.model.joint_names]
+    n = noise.tau * np.random.default_rng(4).normal(size=data.tau.shape)
+    noisy = dataclasses.replace(at, data=(dataclasses.replace(recorded, tau=recorded.tau + n),))
+    here = noisy.of(at.model.replace(effects=[*at.model.effects, *lags]))
+    white = whitener(here, noise, np.zeros(at.residual.size, bool))
+    (found,) = expected_data(here, noise, white, np.ones(len(at.kinds)))
+    seen = (recorded.tau + n - found.tau)[50:-50]
+    alike = {k: float((seen * np.roll(n, k, axis=0)[50:-50]).sum()) for k in range(-2 * late, 2 * late + 1)}
+    assert max(alike, key=lambda k: alike[k]) == 0
+
+
+def test_a_spring_that_the_file_lacks_has_the_slope_of_the_likelihood(clean: tuple[Equations, SampleNoise]) -> None:
+    """The file says rigid, the hypothesis has springs: by differences of what a fit makes small, weights included."""
+    (data,), noise = clean[0].data, clean[1]
+    arm = fd.load_model("scara_two_link").replace(effects=[], tolerance=0.1)
+    rigid = arm.replace(joints={name: {"rotor_inertia": 4e-5, "stiffness": np.inf} for name in SOFT})
+    bare, _, here = prepared(rigid, (_noisy(data, noise, np.random.default_rng(5)),))
+    springs = (fd.effects.JointElasticity(name, stiffness=each["stiffness"]) for name, each in SOFT.items())
+    there = dataclasses.replace(here, effects=tuple(springs))
+    at = bare.equations.of(there.model())
+    mask = np.zeros(at.residual.size, bool)
+    work = for_fit(bare, noise, mask, rows_of(at, mask), there)
+    step, first = 0.2, len(there.factors)
+    slopes, along_the_record = (
+        _slopes(linearised(there, each, at=at))[first:] for each in (work, dataclasses.replace(work, along=None))
+    )
+    for k, (spring, scale) in enumerate(zip(there.effects, linearised(there, work, at=at).scales, strict=True)):
+        sides = []
+        for way in (step, -step):
+            moved = spring.replace(stiffness=getattr(spring, "stiffness") + way * scale)  # noqa: B009 - an Effect has none
+            other = dataclasses.replace(there, effects=tuple(moved if e is spring else e for e in there.effects))
+            sides.append(reached(other, bare.equations.of(other.model()), work))
+        true = (sides[0] - sides[1]) / (2.0 * step)
+        assert abs(slopes[k] - true) < 0.25 * abs(along_the_record[k] - true)
+
+
+def _slopes(made: Fit) -> Array:
+    """Slopes of the sum of squares by numbers and unknowns, with the best offsets of the encoders."""
+    problem = made.regression
+    rows = np.vstack([problem.X, np.diag(1.0 / problem.sigma)])
+    target = np.concatenate([problem.y, -problem.centre / problem.sigma])
+    offsets = rows[:, rows.shape[1] - problem.nuisances :]
+    left = target - offsets @ np.linalg.lstsq(offsets, target, rcond=None)[0]
+    return np.asarray(2.0 * left @ rows)
 
 
 def _log_determinant(at: Equations, noise: SampleNoise, number: FileNumber, factor: float) -> float:
