@@ -61,10 +61,18 @@ class Unweighted:
         data, joints = equations.data[0], equations.true.joint_names
         there = {"q": data.has_q, "theta": data.has_theta}
         channels = tuple(f"{signal}.{joint}" for j, joint in enumerate(joints) for signal in there if there[signal][j])
-        offsets = [columns.of_effect(equations, SensorOffset(name, offset=1e-6), 1e-6) for name in channels]
         states, sigma = of_first_states(equations)
-        unknown = np.column_stack([*offsets, states])
+        unknown = np.column_stack([*_of_offsets(equations, channels), states])
         return cls(equations, number_columns.of_numbers(equations, list(numbers)), unknown, channels, sigma)
+
+    def with_offsets_of(self, at: Equations) -> Unweighted:
+        """The same with the slopes by encoders' offsets of other equations: a spring that hardens feels them more."""
+        states = self.offsets[:, len(self.channels) :]
+        return dataclasses.replace(self, offsets=np.column_stack([*_of_offsets(at, self.channels), states]))
+
+
+def _of_offsets(equations: Equations, channels: Iterable[str]) -> list[Array]:
+    return [columns.of_effect(equations, SensorOffset(name, offset=1e-6), 1e-6) for name in channels]
 
 
 def prepared(

@@ -72,6 +72,7 @@ class Linearisation:
             first: the library at the model as given; None: this is it.
         """
         at = bare.equations.of(here.model())
+        bare = bare.with_offsets_of(at)
         noise = quieter(recorded, at, mask)
         seen = rows_of(at, mask)
         work = weighed(bare, noise, mask, filter_error(bare.equations, here), at)

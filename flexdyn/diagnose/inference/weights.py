@@ -54,7 +54,7 @@ def along_expected(
         return bare, work, np.ones(len(at.kinds))
     scale = Discrepancy.of(work.white(at.residual), seen).scale
     along = bare.equations.along(expected_data(at, work.noise, work.whiten, scale))
-    slopes = Unweighted.of(along, here.factors)
+    slopes = Unweighted.of(along, here.factors).with_offsets_of(along.of(here.model()))
     near = dataclasses.replace(slopes, equations=bare.equations, along=along)
     new = work.whiten(near.numbers), work.whiten(near.offsets)
     return near, dataclasses.replace(work, numbers=new[0], nuisance=new[1], along=along), 1.0 - 1.0 / scale**2
@@ -88,6 +88,7 @@ def for_fit(
         SimulationError: its equations are not finite.
     """
     at = bare.equations.of(there.model())
+    bare = bare.with_offsets_of(at if bare.along is None else bare.along.of(there.model()))
     with SILENT():
         plain = weighed(bare, noise, mask, at=at)
         error = error_of(plain, at.residual, seen)
