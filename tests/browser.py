@@ -56,6 +56,7 @@ WAYS_OUT = """() => [...document.querySelectorAll("*")].flatMap((element) => {
   .map((element) => `${element.dataset.title || ""} ${element.title || ""} ${element.textContent}`.trim())
   .filter((text) => /\\b(share|upload|cloud|chart studio)\\b/i.test(text)))"""
 """Script that lists what would lead to another host: addresses in the page, and buttons that offer to send data."""
+BUTTONS = "[...document.querySelectorAll('.modebar-btn')].map((button) => button.dataset.title)"
 
 
 @dataclass
@@ -91,6 +92,11 @@ class OpenPage:
         while not self.tab.evaluate(condition, argument):
             assert time.monotonic() < end, f"it never held: {condition}"
             self.tab.wait_for_timeout(20)
+
+    def wait_for_buttons(self) -> None:
+        """Wait for the buttons of the pictures, so that `check` sees them: zoom, save as PNG, and none that sends."""
+        self.wait_for("document.querySelectorAll('.modebar-btn').length > 0")
+        assert {"Download plot as a PNG", "Zoom"} <= set(self.tab.evaluate(BUTTONS))
 
     def check(self) -> None:
         """Nothing went wrong in the page, it asked for nothing but itself, and nothing in it leads elsewhere."""

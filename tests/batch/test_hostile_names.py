@@ -68,6 +68,7 @@ def test_pages_and_pictures_show_them_and_run_nothing(results: Results, tmp_path
     assert max(imread(tmp_path / "study.png").shape) < 20_000
     with open_page(tmp_path / "study.html") as page:
         page.wait_for("document.querySelectorAll('.scatterlayer').length > 0")
+        page.wait_for_buttons()
         page.tab.mouse.move(300, 300)
         page.tab.wait_for_timeout(100)
         assert not page.tab.evaluate(f"Boolean({HARM})")

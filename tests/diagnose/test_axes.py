@@ -89,6 +89,7 @@ def test_beside_a_spring_on_a_joint_that_both_motors_move(tmp_path: Path) -> Non
     assert kept.stiffness == pytest.approx(20.8, rel=0.005)
 
 
+@pytest.mark.slow
 def test_beside_motors_that_rub_on_each_other(tmp_path: Path) -> None:
     """MuJoCo's third tendon turns with ``left - 0.6 right`` and rubs; the level is off by two tolerances as well."""
     rubbing = fd.effects.JointCoupling("left", other="right", level=1.0, ratio=0.6)

@@ -13,7 +13,6 @@ from tests.discovery.shortened import diagnosed
 
 CASES = [
     ("pair", 5, 22, "Stribeck friction on a link and a torque limit on the other motor"),
-    ("motor_only", 5, 10, "Coulomb friction on a motor"),
     ("rigid", 5, 7, "viscous friction"),
     ("none", 4, 0, "nothing"),
     ("outside", 4, 0, "a torque that drifts"),
@@ -23,12 +22,14 @@ CASES = [
 
 MORE = [
     ("triple", 118001, 4, "a wrong mass beside a hysteresis spring and a limit"),
+    ("hard", 129001, 1, "a hardening spring, whose encoders have offsets of half a step"),
     ("hard", 120001, 1, "backlash under ten times the noise"),
     ("single", 3, 3, "Coulomb friction on a link"),
     ("single", 3, 5, "Stribeck friction on a motor"),
     ("single", 5, 6, "presliding friction on a motor"),
     ("single", 5, 26, "a hardening spring"),
     ("single", 5, 79, "torque ripple"),
+    ("motor_only", 5, 10, "Coulomb friction on a motor"),
     ("motor_only", 102001, 0, "hysteresis of a spring"),
     ("link_only", 4, 12, "damping of a transmission"),
     ("none", 4, 1, "nothing"),

@@ -32,6 +32,7 @@ def test_a_page_shows_the_run_and_asks_nobody_for_anything(tmp_path: Path) -> No
     with open_page(tmp_path / "run.html") as page:
         lines = page.tab.locator(CURVES)
         lines.nth(5).wait_for(state="attached")
+        page.wait_for_buttons()
         full = page.screenshot()
         assert min(dots_of(full, HUES[0]), dots_of(full, HUES[1])) > 1000
         assert page.tab.title() == "scara_two_link"
@@ -56,6 +57,7 @@ def test_names_in_a_page_are_text(tmp_path: Path) -> None:
     for file in ("name.html", "comparison.html"):
         with open_page(tmp_path / file) as page:
             page.tab.locator(CURVES).nth(2).wait_for(state="attached")
+            page.wait_for_buttons()
             page.tab.mouse.move(640, 300)  # over a panel, where a label follows the mouse
             page.tab.wait_for_timeout(200)
             assert {EVIL[:20], SCRIPT[:20]} <= {

@@ -66,7 +66,12 @@ class Unweighted:
         return cls(equations, number_columns.of_numbers(equations, list(numbers)), unknown, channels, sigma)
 
     def with_offsets_of(self, at: Equations) -> Unweighted:
-        """The same with the slopes by encoders' offsets of other equations: a spring that hardens feels them more."""
+        """The same with the slopes by encoders' offsets of other equations: a spring that hardens feels them more.
+
+        Without springs they act on gravity and inertia alone, which effects hardly change.
+        """
+        if not at.true.elastic.any():
+            return self
         states = self.offsets[:, len(self.channels) :]
         return dataclasses.replace(self, offsets=np.column_stack([*_of_offsets(at, self.channels), states]))
 
