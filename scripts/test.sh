@@ -18,8 +18,10 @@ bin=.venv/bin
 types=$!
 build_docs
 wait "$types"
-# A worker for each processor; tests of one file stay together, for they share what is dear to make.
+# Tests wait a fifth of their time for processes, clocks and the browser: one worker more than there are processors.
+# Tests of one file stay together, for they share what is dear to make.
+workers=$("$bin/python" -c 'import os; print((os.cpu_count() or 1) + 1)')
 # Threads of the linear algebra beside the workers would spend their time waiting for each other; tests that are about
 # them set their own number.
 export OPENBLAS_NUM_THREADS=1
-"$bin/pytest" -n auto --dist loadfile "$@"
+"$bin/pytest" -n "$workers" --dist loadfile "$@"

@@ -7,6 +7,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.decision.corrected import LEAST_IN_COMMON
 from flexdyn.diagnose.decision.one_law import with_best
 from flexdyn.diagnose.decision.rivals_in_fits import rivals_in_fits
 from flexdyn.diagnose.hypothesis.workspace import prepared
@@ -28,9 +29,9 @@ def found() -> Posterior:
     return posterior(*prepared(model, (measured(model, fd.Recording(t, channels)),)))
 
 
-def _place(found: Posterior, kind: str) -> int:
+def _place(found: Posterior, kind: str, joint: str = "shoulder") -> int:
     each = enumerate(found.space.candidates)
-    return next(c for c, one in each if one.kind == kind and "shoulder" in (one.place.get("joint") or ""))
+    return next(c for c, one in each if one.kind == kind and joint in (one.place.get("joint") or ""))
 
 
 def test_a_rival_that_fits_worse_is_known_to(found: Posterior) -> None:
@@ -54,6 +55,19 @@ def test_a_rival_that_fits_better_takes_the_place(found: Posterior) -> None:
     assert wave.amplitude == pytest.approx(AMPLITUDE, rel=0.02)
     ((_, whole, odds),) = [each for each in made.by_fits if each[0] == frozenset(c for c, _ in made.best)]
     assert (whole, odds > 1e6) == (frozenset({gear}), True)
+
+
+def test_what_has_in_common_with_a_candidate_may_be_its_rival(found: Posterior) -> None:
+    """A gear's wave makes nearly all that the encoder's wave makes; friction of the other joint makes none of it."""
+    ((wave, point),) = found.best
+    gear, friction = _place(found, "kinematic_error"), _place(found, "viscous_friction", "elbow")
+    assert found.space.in_common(found.best, wave, (wave, point)) == pytest.approx(1.0)
+    assert max(found.space.in_common(found.best, wave, (gear, p)) for p in _points(found, gear)) > 0.9
+    assert found.space.in_common(found.best, wave, (friction, 0)) < LEAST_IN_COMMON
+
+
+def _points(found: Posterior, c: int) -> range:
+    return range(len(found.space.candidates[c].points))
 
 
 def test_offsets_are_integrated_out(found: Posterior) -> None:

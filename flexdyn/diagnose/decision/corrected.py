@@ -38,6 +38,8 @@ PROMISED_SHARE, PROMISED_DROP = 0.005, 10.0
 the log likelihood of a name would change by five or more.
 """
 
+LEAST_IN_COMMON = 0.1
+"""Share of the power of a candidate that a rival must be able to make [1]."""
 CONTINUATIONS = 6
 """Times at most that the fit of the corrected model is continued from where its steps ended."""
 
@@ -123,7 +125,7 @@ def corrected(
     there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
     apart = functools.partial(shares, space, overstated=_overstated(found))
     own = _genuine(found, apart(found.best))
-    may = functools.partial(_may_stand_in, space, masses)
+    may = functools.partial(_may_stand_in, found, masses)
     sure = [each.candidate for each in names(masses, best, None, there, may) if each.established]
     simulated = {c: simulated_share(c) for c in sure} if simulated_share else {}
     seen, which = _genuine(found, simulated), min if rejected else max
@@ -197,16 +199,23 @@ def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
     return effect is not None and not effect.is_neutral
 
 
-def _may_stand_in(space: Space, masses: Masses, c: int) -> bool:
-    """Whether a candidate may be reported as a rival: not a number that stays in its tolerance."""
-    candidate = space.candidates[c]
-    if candidate.number is None:
-        return True
-    place = masses.place([c])
+def _may_stand_in(found: Posterior, masses: Masses, of: int, c: int) -> bool:
+    """Whether a candidate may be reported as a rival of one of the best structure.
+
+    It makes some of what that one does beside the file's numbers, or else it stands in the place of something else. A
+    number of the file that stays in its tolerance is none.
+    """
+    space = found.space
+    place = masses.place([c], [of])
     if place is None:
         return False
-    factor = hypothesis_of(space, masses.structures[place]).factors[candidate.number]
-    return abs(factor - 1.0) > IN_TOLERANCE * candidate.number.tolerance
+    there = masses.structures[place]
+    if space.in_common(found.best, of, (c, dict(there)[c])) < LEAST_IN_COMMON:
+        return False
+    number = space.candidates[c].number
+    if number is None:
+        return True
+    return abs(hypothesis_of(space, there).factors[number] - 1.0) > IN_TOLERANCE * number.tolerance
 
 
 def _fitted(found: Posterior, made: Fit, kept: Collection[int]) -> Fit:

@@ -21,7 +21,7 @@ from flexdyn.diagnose.report.suspects import ESTABLISHED
 
 
 def told_by_data(
-    space: Space, masses: Masses, best: Set, named: Sequence[Name], stands_in: Callable[[int], bool]
+    space: Space, masses: Masses, best: Set, named: Sequence[Name], stands_in: Callable[[int, int], bool]
 ) -> tuple[Name, ...]:
     """Names with the rivals that are less probable by the prior alone.
 
@@ -33,7 +33,7 @@ def told_by_data(
         masses: of all sets.
         best: the set that is named.
         named: its established candidates.
-        stands_in: whether a candidate may be a rival.
+        stands_in: whether of two candidates the second may be a rival of the first.
     """
     even = {
         mine: float(log) - space.log_places(structure)
@@ -45,7 +45,11 @@ def told_by_data(
     for name in sorted(named, key=lambda each: even.get(best - {each.candidate}, -float("inf"))):
         if any(name.candidate in other.held_down for other in found):
             continue
-        held = [c for c in _held_down(space, masses, even, best, name) if c not in name.rivals and stands_in(c)]
+        held = [
+            c
+            for c in _held_down(space, masses, even, best, name)
+            if c not in name.rivals and stands_in(name.candidate, c)
+        ]
         held += _either_of_two(space, even, best, name, [each.candidate for each in named])
         together = masses.of_any([name.candidate, *name.rivals, *held])
         probability = name.probability * together / masses.of_any([name.candidate, *name.rivals])

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 from flexdyn.diagnose.decision.masses import Masses, Set
-from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.report.suspects import ESTABLISHED
 
 RIVAL_PROBABILITY = 0.02
@@ -41,7 +40,7 @@ def names(
     best: Set,
     genuine: Mapping[int, float] | None = None,
     of: Collection[int] | None = None,
-    stands_in: Callable[[int], bool] = lambda _: True,
+    stands_in: Callable[[int, int], bool] = lambda _, __: True,
 ) -> list[Name]:
     """What the candidates of the best set are called, in the order of their places.
 
@@ -50,18 +49,18 @@ def names(
         best: the set.
         genuine: by candidate, probability that it is no imitation of something unknown; None: that is certain.
         of: candidates of the set to be named; None: all.
-        stands_in: whether a candidate may be a rival.
+        stands_in: whether of two candidates the second may be a rival of the first.
     """
     own = genuine or {}
     return [_named(masses, best, c, own.get(c, 1.0), stands_in) for c in sorted(best if of is None else of)]
 
 
-def _named(masses: Masses, best: Set, candidate: int, genuine: float, stands_in: Callable[[int], bool]) -> Name:
+def _named(masses: Masses, best: Set, candidate: int, genuine: float, stands_in: Callable[[int, int], bool]) -> Name:
     """One candidate, with rivals until together they are established, or there are none left."""
     rivals: list[int] = []
     together = masses.of_any([candidate])
     while together * genuine < ESTABLISHED:
-        more = standing_in(masses, best, {candidate, *rivals}, stands_in)
+        more = standing_in(masses, best, {candidate, *rivals}, partial(stands_in, candidate))
         if not more:
             break
         # The one that is mostly there where the others are not, and not one that is there anyway.
@@ -73,16 +72,10 @@ def _named(masses: Masses, best: Set, candidate: int, genuine: float, stands_in:
 def standing_in(
     masses: Masses, best: Set, named: set[int], stands_in: Callable[[int], bool] = lambda _: True
 ) -> dict[int, float]:
-    """Probability of every further rival in the sets that hold nothing that is named yet.
-
-    A set that is more probable with one of these as well, at odds above 3, only lacks it: nothing stands in its place.
-    """
+    """Probability of every further rival in the sets that hold nothing that is named yet."""
     found: dict[int, float] = {}
-    known = dict(zip(masses.sets, masses.probability.tolist(), strict=True))
-    odds = math.exp(EVEN_ODDS_WINDOW)
-    for mine, probability in known.items():
-        if not mine.isdisjoint(named) or any(known.get(mine | {c}, 0.0) > odds * probability for c in named):
-            continue
-        for c in mine - best:
-            found[c] = found.get(c, 0.0) + probability
+    for mine, probability in zip(masses.sets, masses.probability.tolist(), strict=True):
+        if mine.isdisjoint(named):
+            for c in mine - best:
+                found[c] = found.get(c, 0.0) + probability
     return {c: mass for c, mass in found.items() if mass >= RIVAL_PROBABILITY and stands_in(c)}

@@ -153,12 +153,24 @@ class Space:
         Beside what every structure has: the file's numbers, and a small amount of every law, which stands for what no
         model resolves.
         """
+        columns, mean = self._made(structure, c)
+        share = torque_share(self.candidates[c], self.matrix.size[columns], mean)
+        return share * share_apart(self.gram, columns, mean, [self.candidates[other].columns[0]])
+
+    def in_common(self, structure: Structure, c: int, other: tuple[int, int]) -> float:
+        """Share of the power of a candidate of a structure that another one, at a grid point, can make [1].
+
+        Beside what every structure has.
+        """
+        columns, mean = self._made(structure, c)
+        return 1.0 - share_apart(self.gram, columns, mean, [self.candidates[other[0]].columns[other[1]]]) ** 2
+
+    def _made(self, structure: Structure, c: int) -> tuple[Indices, Array]:
+        """Columns and coefficients of a candidate of a structure (k,)."""
         own = self.gram.estimate(self.columns(structure))
         columns = self.candidates[c].columns[dict(structure)[c]]
         place = {int(k): value for k, value in zip(own.columns, own.mean, strict=True)}
-        mean = np.array([place[int(k)] for k in columns])
-        share = torque_share(self.candidates[c], self.matrix.size[columns], mean)
-        return share * share_apart(self.gram, columns, mean, [self.candidates[other].columns[0]])
+        return columns, np.array([place[int(k)] for k in columns])
 
     @lazy
     def groups(self) -> list[tuple[str, ...]]:
