@@ -38,7 +38,7 @@ def name_of_it(joint: str) -> str:
     found = [each for each in report["findings"] if each["joint"] == joint]
     names = [
         f"{each['effect'].replace('_', ' ')}, "
-        + ", ".join(f"{key} {x['value']:.2f} {x['unit']}" for key, x in each["parameters"].items())
+        + ", ".join(f"{key} {x['value']:.2g} {x['unit']}" for key, x in each["parameters"].items())
         for each in found
     ]
     return " and ".join(names) or "nothing named"

@@ -62,11 +62,12 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> fd.Run:
 
 
 def test_pages_show_them_and_run_nothing(run: fd.Run, tmp_path: Path) -> None:
-    """A comparison's pictures and the moving arm, in the browser."""
+    """Pictures of runs and comparisons, and the moving arm, in the browser."""
     rec = fd.Recording(run.t, run.to_recording().channels, name=TERMINAL + NAMES[0])
+    run.plot(tmp_path / "run.html")
     fd.compare(rec, run).plot(tmp_path / "compared.html")
     fd.play(run, rec, html=tmp_path / "played.html")
-    for name in ("compared", "played"):
+    for name in ("run", "compared", "played"):
         with open_page(tmp_path / f"{name}.html") as page:
             page.wait_for("document.body.dataset.ready === 'yes' || document.querySelectorAll('.js-line').length > 1")
             page.tab.mouse.move(640, 300)

@@ -135,6 +135,7 @@ def test_much_is_folded_away_and_drawn_when_it_is_opened(tmp_path: Path) -> None
         assert page.tab.locator("article:visible").count() == 4
         page.tab.locator("#residuals summary").click()
         page.wait_for(f"document.querySelectorAll('.js-plotly-plot').length == {len(diagnosis.residuals)}")
+        page.wait_for_buttons()
         wide = "[...document.querySelectorAll('#residuals .main-svg')].every(each => each.clientWidth > 200)"
         assert page.tab.evaluate(wide)
     assert len((tmp_path / "report.html").read_bytes()) < 3e6

@@ -40,6 +40,7 @@ the log likelihood of a name would change by five or more.
 
 LEAST_IN_COMMON = 0.1
 """Share of the power of a candidate that a rival must be able to make [1]."""
+
 CONTINUATIONS = 6
 """Times at most that the fit of the corrected model is continued from where its steps ended."""
 
@@ -200,10 +201,10 @@ def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
 
 
 def _may_stand_in(found: Posterior, masses: Masses, of: int, c: int) -> bool:
-    """Whether a candidate may be reported as a rival of one of the best structure.
+    """Whether a candidate may be reported as a rival of another one, which is in the best structure.
 
-    It makes some of what that one does beside the file's numbers, or else it stands in the place of something else. A
-    number of the file that stays in its tolerance is none.
+    A rival makes some of what the other one does, beside the file's numbers. One that makes nothing of it stands in the
+    place of something else. A number of the file that stays in its tolerance is no rival.
     """
     space = found.space
     place = masses.place([c], [of])

@@ -56,13 +56,13 @@ class Unweighted:
     along: Equations | None = None
 
     @classmethod
-    def of(cls, equations: Equations, numbers: Iterable[FileNumber]) -> Unweighted:
-        """Slopes by these numbers of the file."""
+    def of(cls, equations: Equations, numbers: Iterable[FileNumber], at: Equations | None = None) -> Unweighted:
+        """Slopes by these numbers of the file; those by offsets at other equations, if given (`with_offsets_of`)."""
         data, joints = equations.data[0], equations.true.joint_names
         there = {"q": data.has_q, "theta": data.has_theta}
         channels = tuple(f"{signal}.{joint}" for j, joint in enumerate(joints) for signal in there if there[signal][j])
         states, sigma = of_first_states(equations)
-        unknown = np.column_stack([*_of_offsets(equations, channels), states])
+        unknown = np.column_stack([*_of_offsets(at or equations, channels), states])
         return cls(equations, number_columns.of_numbers(equations, list(numbers)), unknown, channels, sigma)
 
     def with_offsets_of(self, at: Equations) -> Unweighted:

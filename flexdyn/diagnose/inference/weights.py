@@ -54,7 +54,7 @@ def along_expected(
         return bare, work, np.ones(len(at.kinds))
     scale = Discrepancy.of(work.white(at.residual), seen).scale
     along = bare.equations.along(expected_data(at, work.noise, work.whiten, scale))
-    slopes = Unweighted.of(along, here.factors).with_offsets_of(along.of(here.model()))
+    slopes = Unweighted.of(along, here.factors, along.of(here.model()))
     near = dataclasses.replace(slopes, equations=bare.equations, along=along)
     new = work.whiten(near.numbers), work.whiten(near.offsets)
     return near, dataclasses.replace(work, numbers=new[0], nuisance=new[1], along=along), 1.0 - 1.0 / scale**2
