@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -53,15 +54,19 @@ class Masses:
             tried: sets, each with another set and its odds to that by fits.
         """
         probability = dict(zip(self.sets, self.probability.tolist(), strict=True))
+        log = dict(zip(self.sets, self.log.tolist(), strict=True))
         for each, whole, odds in tried:
             probability[each] = max(probability.get(each, 0.0), odds * probability.get(whole, 0.0))
-        return self._with(probability)
+            if odds > 0.0 and whole in log:
+                log[each] = max(log.get(each, -np.inf), log[whole] + math.log(odds))
+        return self._with(probability, log)
 
-    def _with(self, probability: Mapping[Set, float]) -> Masses:
-        """Other probabilities, not normalised, of the sets and of more of them."""
+    def _with(self, probability: Mapping[Set, float], logs: Mapping[Set, float] | None = None) -> Masses:
+        """Other probabilities, not normalised, of the sets and of more of them, and other logs where they are given."""
         new = [each for each in probability if each not in self.sets]
         structures = (*self.structures, *(frozenset((c, 0) for c in each) for each in new))
-        log = np.append(self.log, np.full(len(new), -np.inf))
+        known = dict(zip(self.sets, self.log.tolist(), strict=True)) if logs is None else logs
+        log = np.array([known.get(each, -np.inf) for each in (*self.sets, *new)])
         masses = np.array(list(probability.values()))
         return Masses((*self.sets, *new), structures, log, masses / masses.sum())
 

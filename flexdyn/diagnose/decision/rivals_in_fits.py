@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterator
 
-from flexdyn.diagnose.inference.elsewhere import fit_if_likely, log_posterior
+import numpy as np
+
+from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.inference.elsewhere import fit_if_likely, log_density_at, log_posterior, squares_left
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.inference.search import OCCAM_WINDOW, Scan
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
+from flexdyn.effects import SensorOffset
+from flexdyn.errors import SimulationError
 
 RIVAL_LOSS = 0.01
 """Share of a candidate's gain by which the linear equations may be wrong: a rival that loses less is fitted [1]."""
@@ -29,21 +37,54 @@ def rivals_in_fits(found: Posterior) -> Posterior:
         found: the posterior, whose best structure is fitted to the equations.
     """
     space, best, made = found.space, found.best, found.fitted
-    here = log_posterior(space, best, made)
+    here = log_posterior(space, best, made) + _log_between_points(space, best, made)
     whole = frozenset(c for c, _ in best)
     likely, odds = (here + EVEN_ODDS_WINDOW, best, made), list(found.by_fits)
-    for structure in _swapped(space, best):
-        start = hypothesis_of(space, structure, whole=True)
+    for structure, start in (*_swapped(space, best), *_one_sided(space, best, made)):
         value, other = fit_if_likely(space, structure, start, made, here - OCCAM_WINDOW)
         if other is None:
             continue
+        value += _log_between_points(space, structure, other)
+        if _alike(space, other, made):
+            value = here + space.log_places(structure) - space.log_places(best)
         odds.append((frozenset(c for c, _ in structure), whole, math.exp(min(value - here, LARGEST_LOG_ODDS))))
         if value > likely[0]:
             likely = (value, structure, other)
     return dataclasses.replace(found, best=likely[1], fitted=likely[2], by_fits=tuple(odds))
 
 
-def _swapped(space: Space, best: Structure) -> list[Structure]:
+def _alike(space: Space, one: Fit, other: Fit) -> bool:
+    """Whether the data do not tell two fits apart: as many numbers, and a ratio of likelihoods below 3.
+
+    Widths of priors are choices, and no name rests on them alone: such structures have the prior odds of their places.
+    """
+    numbers = [len(each.hypothesis.unknowns()) + len(each.hypothesis.freed) for each in (one, other)]
+    left = [space.noise.log_likelihood(squares_left(each.equations, each.space)) for each in (one, other)]
+    return numbers[0] == numbers[1] and abs(left[0] - left[1]) < EVEN_ODDS_WINDOW
+
+
+def _log_between_points(space: Space, structure: Structure, made: Fit) -> float:
+    """Occam's factor of nonlinear numbers that a fit has moved between the points of their grid.
+
+    ``log(n) + sum of log(sigma / sigma_prior)``: the prior ``1/n`` of one of n points does not count, as a fit does not
+    stay at a point. The effects at which the linear equations stand have this factor there.
+    """
+    sigma = np.sqrt(np.diag(made.regression.covariance))
+    first, unknowns, total = len(made.hypothesis.factors), made.hypothesis.unknowns(), 0.0
+    for c, _ in structure:
+        candidate = space.candidates[c]
+        effect = effect_of(candidate, made.hypothesis)
+        if candidate.proposal is None or candidate.choices == 1 or candidate.law.periodic or effect is None:
+            continue
+        places = [
+            first + k for k, (each, name) in enumerate(unknowns) if each is effect and name in candidate.proposal.axes
+        ]
+        if all(0.0 < sigma[k] < made.regression.sigma[k] < math.inf for k in places):
+            total += math.log(candidate.choices) + float(np.log(sigma[places] / made.regression.sigma[places]).sum())
+    return total
+
+
+def _swapped(space: Space, best: Structure) -> list[tuple[Structure, Hypothesis]]:
     """The best structure with another candidate in the place of one, which keeps nearly all that that one gains."""
     scan, found = Scan(space), []
     for each in sorted(best):
@@ -51,8 +92,43 @@ def _swapped(space: Space, best: Structure) -> list[Structure]:
         lost = RIVAL_LOSS * (space.value(best) - space.value(rest))
         others = [other for gain, other in scan.additions(rest) if gain > 0.0 and not waits(space, other[0])]
         there = [rest | {other} for other in others if other[0] not in related]
-        found += [structure for structure in there if space.value(structure) > space.value(best) - lost]
+        near = [structure for structure in there if space.value(structure) > space.value(best) - lost]
+        found += [(structure, hypothesis_of(space, structure, whole=True)) for structure in near]
     return found
+
+
+def _one_sided(space: Space, best: Structure, made: Fit) -> Iterator[tuple[Structure, Hypothesis]]:
+    """The best structure with a law of the deflection, such as a backlash, in the place of an encoder's offset.
+
+    A backlash that touches one side only is such an offset. The linear equations compare it where the offset still
+    acts, and it has no linear number that makes up for that. So its grid is tried with the other numbers of the fit.
+    """
+    for each in sorted(best):
+        offset = space.candidates[each[0]]
+        if offset.proposal is None or offset.kind != SensorOffset.name:
+            continue
+        rest = without_effect(made.hypothesis, effect_of(offset, made.hypothesis))
+        for c, rival in enumerate(space.candidates):
+            there = rival.proposal
+            if there is None or rival.law.stage != "deflection" or not there.fixed or rival.stands is not None:
+                continue
+            effects = [there.make(point, ()) for point in rival.points]
+            tried = {
+                p: dataclasses.replace(rest, effects=(*rest.effects, effect))
+                for p, effect in enumerate(effects)
+                if effect is not None and there.joint == offset.proposal.joint
+            }
+            if tried:
+                p = max(tried, key=lambda p: _log_density(space, tried[p], made))
+                yield best - {each} | {(c, p)}, tried[p]
+
+
+def _log_density(space: Space, there: Hypothesis, made: Fit) -> float:
+    """Of a hypothesis under the weights of a fit; -infinity where its equations are not finite."""
+    try:
+        return log_density_at(space, there, made.space.equations.of(there.model()), made.space)
+    except SimulationError:
+        return -math.inf
 
 
 def _related(space: Space, c: int) -> set[int]:

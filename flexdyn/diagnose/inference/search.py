@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 
 import numpy as np
 from scipy.special import betaln
@@ -70,7 +71,7 @@ class Scan:
         for c, me in enumerate(candidates):
             there = {c, *(k for k in places[_where(me)] if nested(me, candidates[k]))}
             if c in late:
-                there |= {k for k, other in late.items() if _undo(late[c], other)}
+                there |= {k for k, other in late.items() if _undo(late[c], other, late.values())}
             found.append(np.array(sorted(there)))
         return found
 
@@ -108,9 +109,14 @@ def nested(one: Candidate, other: Candidate) -> bool:
     return contains and _where(one) == _where(other)
 
 
-def _undo(one: tuple[str, str], other: tuple[str, str]) -> bool:
-    """Whether two delays at one joint undo one another; those of its two encoders do not."""
-    return one[1] == other[1] and {one[0], other[0]} != {"q", "theta"}
+def _undo(one: tuple[str, str], other: tuple[str, str], late: Collection[tuple[str, str]]) -> bool:
+    """Whether two delays at one joint undo one another: those of its torque, or of its torque and its only encoder.
+
+    Of a torque and two encoders, two can be late against the third one.
+    """
+    joint, signals = one[1], {one[0], other[0]}
+    encoders = {signal for signal, place in late if place == joint} & {"q", "theta"}
+    return other[1] == joint and (len(encoders) < 2 or not signals & encoders)
 
 
 def _late(candidate: Candidate) -> tuple[str, str] | None:

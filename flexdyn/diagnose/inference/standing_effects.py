@@ -21,21 +21,25 @@ Belief = Callable[[Effect, str], tuple[float, float]]
 
 
 def beliefs(maker: ColumnMaker, effects: tuple[Effect, ...]) -> Belief:
-    """Priors of effects' parameters, those that need a column taken once, where the effects stand."""
+    """Priors of effects' parameters, those that need a column taken once: where the effects stand.
+
+    Of other effects, such as one that a fit tries in the place of another one: where they are when first asked for.
+    """
     at = maker.first or maker
     known: dict[tuple[object, ...], tuple[float, float]] = {}
-    for effect in effects:
-        for entry in effect.parameters():
-            nothing = effect.neutral.get(entry.name)
-            if nothing is not None and np.isfinite(nothing):
-                known[(*kind_and_place(effect), entry.name)] = (float(nothing), _spread(at, effect, entry.name))
 
     def known_belief(effect: Effect, name: str) -> tuple[float, float]:
+        nothing = effect.neutral.get(name)
+        if nothing is None or not np.isfinite(nothing):
+            return belief(maker, effect, name)
         place = (*kind_and_place(effect), name)
-        if place in known:
-            return known[place][0] - getattr(effect, name), known[place][1]
-        return belief(maker, effect, name)
+        if place not in known:
+            known[place] = (float(nothing), _spread(at, effect, name))
+        return known[place][0] - getattr(effect, name), known[place][1]
 
+    for effect in effects:
+        for entry in effect.parameters():
+            known_belief(effect, entry.name)
     return known_belief
 
 
