@@ -211,7 +211,9 @@ def _may_stand_in(found: Posterior, masses: Masses, of: int, c: int) -> bool:
     if place is None:
         return False
     there = masses.structures[place]
-    if space.in_common(found.best, of, (c, dict(there)[c])) < LEAST_IN_COMMON:
+    instead = frozenset(k for k, _ in found.best) - {of} | {c}
+    fitted = any(frozenset(k for k, _ in each) == instead for each, _, _ in found.by_fits)  # its odds say what it makes
+    if not fitted and space.in_common(found.best, of, (c, dict(there)[c])) < LEAST_IN_COMMON:
         return False
     number = space.candidates[c].number
     if number is None:

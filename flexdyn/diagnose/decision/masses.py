@@ -45,30 +45,31 @@ class Masses:
         probability = dict(zip(self.sets, self.probability.tolist(), strict=True))
         for each, weight in zip(others, odds, strict=True):
             probability[each] = probability.get(each, 0.0) + weight
-        return self._with(probability)
+        new = [each for each in probability if each not in self.sets]
+        structures = (*self.structures, *(frozenset((c, 0) for c in each) for each in new))
+        log = np.append(self.log, np.full(len(new), -np.inf))
+        masses = np.array(list(probability.values()))
+        return Masses((*self.sets, *new), structures, log, masses / masses.sum())
 
-    def by_fits(self, tried: Sequence[tuple[Set, Set, float]]) -> Masses:
-        """The same where fits make sets more likely than they are here.
+    def by_fits(self, tried: Sequence[tuple[Structure, Set, float]]) -> Masses:
+        """The same where fits make sets more likely than they are here, the most probable first again.
 
         Args:
-            tried: sets, each with another set and its odds to that by fits.
+            tried: structures, each with another set and its odds to that by fits.
         """
         probability = dict(zip(self.sets, self.probability.tolist(), strict=True))
         log = dict(zip(self.sets, self.log.tolist(), strict=True))
-        for each, whole, odds in tried:
-            probability[each] = max(probability.get(each, 0.0), odds * probability.get(whole, 0.0))
-            if odds > 0.0 and whole in log:
-                log[each] = max(log.get(each, -np.inf), log[whole] + math.log(odds))
-        return self._with(probability, log)
-
-    def _with(self, probability: Mapping[Set, float], logs: Mapping[Set, float] | None = None) -> Masses:
-        """Other probabilities, not normalised, of the sets and of more of them, and other logs where they are given."""
-        new = [each for each in probability if each not in self.sets]
-        structures = (*self.structures, *(frozenset((c, 0) for c in each) for each in new))
-        known = dict(zip(self.sets, self.log.tolist(), strict=True)) if logs is None else logs
-        log = np.array([known.get(each, -np.inf) for each in (*self.sets, *new)])
-        masses = np.array(list(probability.values()))
-        return Masses((*self.sets, *new), structures, log, masses / masses.sum())
+        points = dict(zip(self.sets, self.structures, strict=True))
+        for structure, whole, odds in tried:
+            mine = frozenset(c for c, _ in structure)
+            probability[mine] = max(probability.get(mine, 0.0), odds * probability.get(whole, 0.0))
+            reached = log[whole] + math.log(odds) if odds > 0.0 and whole in log else -math.inf
+            log[mine] = max(log.get(mine, -math.inf), reached)
+            points.setdefault(mine, structure)
+        order = sorted(probability, key=lambda mine: -probability[mine])
+        masses = np.array([probability[mine] for mine in order])
+        logs = np.array([log[mine] for mine in order])
+        return Masses(tuple(order), tuple(points[mine] for mine in order), logs, masses / masses.sum())
 
     def place(self, holds: Collection[int], without: Collection[int] = ()) -> int | None:
         """Of the most probable set that holds some candidates and none of some others; None: there is none."""

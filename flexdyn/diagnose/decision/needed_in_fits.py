@@ -26,14 +26,14 @@ def needed_in_fits(found: Posterior) -> Posterior:
         found: the posterior, whose best structure is fitted to the equations.
     """
     space, best, made = found.space, found.best, found.fitted
-    odds: list[tuple[frozenset[int], frozenset[int], float]] = []
+    odds: list[tuple[Structure, frozenset[int], float]] = []
     doubtful = sorted(best)
     while doubtful:
         here = log_posterior(space, best, made)
         tried = {each: _without(space, best, each, made, here) for each in doubtful}
         values = {each: value for each, (value, _) in tried.items()}
         whole = frozenset(c for c, _ in best)
-        odds += [(whole - {c}, whole, math.exp(min(0.0, value - here))) for (c, _), value in values.items()]
+        odds += [(best - {each}, whole, math.exp(min(0.0, value - here))) for each, value in values.items()]
         least = max(values, key=lambda each: values[each])
         rest = tried[least][1]
         if rest is None or values[least] <= here:

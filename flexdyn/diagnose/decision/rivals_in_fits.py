@@ -47,7 +47,7 @@ def rivals_in_fits(found: Posterior) -> Posterior:
         value += _log_between_points(space, structure, other)
         if _alike(space, other, made):
             value = here + space.log_places(structure) - space.log_places(best)
-        odds.append((frozenset(c for c, _ in structure), whole, math.exp(min(value - here, LARGEST_LOG_ODDS))))
+        odds.append((structure, whole, math.exp(min(value - here, LARGEST_LOG_ODDS))))
         if value > likely[0]:
             likely = (value, structure, other)
     return dataclasses.replace(found, best=likely[1], fitted=likely[2], by_fits=tuple(odds))

@@ -53,7 +53,7 @@ class Posterior:
         earlier: kinds and places of the best structures at other linearisations, where these do not agree: of a cycle
             since it began; if the search did not settle, all but that at the file's numbers.
         expected: kinds of effects that the user expects of this drive.
-        by_fits: sets of candidates, each with another set that has one more or one other, and the odds to that by fits.
+        by_fits: structures, each with a set that has one candidate more or one other, and the odds to that by fits.
     """
 
     space: Space
@@ -64,7 +64,7 @@ class Posterior:
     known: Mapping[Structure, float]
     expected: tuple[str, ...] = ()
     earlier: tuple[Places, ...] = ()
-    by_fits: tuple[tuple[frozenset[int], frozenset[int], float], ...] = ()
+    by_fits: tuple[tuple[Structure, frozenset[int], float], ...] = ()
 
     @lazy
     def elsewhere(self) -> tuple[tuple[frozenset[int], float], ...]:
