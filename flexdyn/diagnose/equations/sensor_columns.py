@@ -48,6 +48,25 @@ def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect 
     return np.concatenate([_moved(equations, each, signal, j, error(each)).ravel() for each in equations.motions])
 
 
+def of_lag_shape(equations: Equations, effect: ChannelLag) -> Array:
+    """First-order change of the rows (rows,) by what a torque's lag is: a delay d, or a low pass of time constant d.
+
+    ``tau(t) = y(t + d) = y + d y' + d^2 y''/2`` for a delay, ``tau = y + d y'`` for a low pass of first order. The
+    difference is ``d^2 y''/2``.
+
+    Args:
+        equations: of a model that has the lag.
+        effect: the lag.
+    """
+    j = equations.true.index(effect.joint)
+
+    def torques(along: SmoothedMotion) -> Torques:
+        seen = centred(along.data.channel(effect.signal)[:, j])
+        return 0.5 * effect.delay**2 * _smoothed(equations, along, seen, 2), None, None
+
+    return equations.of_terms(j, torques)
+
+
 def _true(effect: SensorEffect, data: Measured, seen: Array) -> Array:
     if isinstance(effect, ChannelLag) and effect.signal == "tau":
         return np.asarray(np.interp(data.t + effect.delay, data.t, seen))

@@ -17,11 +17,12 @@ from flexdyn.diagnose.equations.covariance import SampleNoise, encoders_rule, vi
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.hidden_links import of_first_states
 from flexdyn.diagnose.equations.mask import sign_mask
+from flexdyn.diagnose.equations.sensor_columns import of_lag_shape
 from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.effects import SensorOffset
+from flexdyn.effects import ChannelLag, SensorOffset
 from flexdyn.errors import InputError, SimulationError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber, file_numbers, with_factors
@@ -41,8 +42,8 @@ class Unweighted:
     Attributes:
         equations: that have the slopes.
         numbers: by the file's numbers (rows, numbers).
-        offsets: by an offset of one count of each encoder, because rounding is unknown, and by the first states of
-            simulated links (rows, channels + states).
+        offsets: by an offset of one count of each encoder, because rounding is unknown, by the first states of
+            simulated links, and by the shapes of lags of torques (rows, channels + states + lags).
         channels: of these encoders.
         states: standard deviations of these first states (states,).
         along: the equations along whose motion the slopes are; None: `equations`.
@@ -62,7 +63,7 @@ class Unweighted:
         there = {"q": data.has_q, "theta": data.has_theta}
         channels = tuple(f"{signal}.{joint}" for j, joint in enumerate(joints) for signal in there if there[signal][j])
         states, sigma = of_first_states(equations)
-        unknown = np.column_stack([*_of_offsets(at or equations, channels), states])
+        unknown = np.column_stack([*_of_offsets(at or equations, channels), states, *_of_lags(at or equations)])
         return cls(equations, number_columns.of_numbers(equations, list(numbers)), unknown, channels, sigma)
 
     def with_offsets_of(self, at: Equations) -> Unweighted:
@@ -70,14 +71,21 @@ class Unweighted:
 
         Without springs they act on gravity and inertia alone, which effects hardly change.
         """
-        if not at.true.elastic.any():
-            return self
-        states = self.offsets[:, len(self.channels) :]
-        return dataclasses.replace(self, offsets=np.column_stack([*_of_offsets(at, self.channels), states]))
+        first = len(self.channels)
+        offsets, states = list(self.offsets[:, :first].T), self.offsets[:, first : first + len(self.states)]
+        if at.true.elastic.any():
+            offsets = _of_offsets(at, self.channels)
+        return dataclasses.replace(self, offsets=np.column_stack([*offsets, states, *_of_lags(at)]))
 
 
 def _of_offsets(equations: Equations, channels: Iterable[str]) -> list[Array]:
     return [columns.of_effect(equations, SensorOffset(name, offset=1e-6), 1e-6) for name in channels]
+
+
+def _of_lags(equations: Equations) -> list[Array]:
+    """Slopes by what each lag of a torque is, of a delay or a low pass: no record says so beforehand."""
+    lags = [each for each in equations.model.effects if isinstance(each, ChannelLag) and each.signal == "tau"]
+    return [of_lag_shape(equations, each) for each in lags if not each.is_neutral]
 
 
 def prepared(
@@ -148,7 +156,8 @@ def weighed(
     whiten = whitener(at if at is not None and at.noisy else equations, noise, mask, extra)
     sides = (name.partition(".") for name in bare.channels)
     levels = [getattr(noise, signal)[equations.true.index(joint)] for signal, _, joint in sides]
-    sigma = np.append(2.0 * np.array(levels) + 1e-12, bare.states)
+    shapes = np.ones(bare.offsets.shape[1] - len(levels) - len(bare.states))
+    sigma = np.concatenate([2.0 * np.array(levels) + 1e-12, bare.states, shapes])
     slopes = whiten(bare.numbers), whiten(bare.offsets)
     return Workspace(equations, whiten, noise, *slopes, sigma, bare.channels, along=bare.along)
 
