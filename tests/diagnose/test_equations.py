@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import flexdyn as fd
+from flexdyn.arrays import Array
 from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
@@ -13,6 +15,7 @@ from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.covariance import SampleNoise, whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.noise import torque_noise
+from flexdyn.diagnose.equations.sensor_columns import of_lag_shape
 from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.model.uncertain_parameters import file_numbers
 from tests.arms import two_link
@@ -194,6 +197,27 @@ def test_a_lag_is_seen_as_it_is() -> None:
     predicted = -columns.of_effect(before, lag)  # the column takes a lag off that the model says is there
     inner = slice(40, -40)
     assert np.linalg.norm((predicted - change)[inner]) < 0.05 * np.linalg.norm(change[inner])
+
+
+def test_a_low_pass_is_a_lag_of_another_shape() -> None:
+    """Of a torque behind a low pass of first order, another delay leaves what the shape of the lag then explains."""
+    late = 12e-3
+    true = two_link_recording(Levels(1e-9, 1e-9), 0)
+    share, first = -np.expm1(-1.0 / (true.rate * late)), true["tau.shoulder"][0]  # held from sample to sample
+    passed = first + lfilter([0.0, share], [1.0, share - 1.0], true["tau.shoulder"] - first)
+    seen = fd.Recording(true.t, dict(true.channels) | {"tau.shoulder": passed})
+    lag = fd.effects.ChannelLag("tau.shoulder", delay=late)
+    at = Equations(two_link(ARM, [lag]), (measured(two_link(ARM), seen),), Filters.of_rate(1.0 / true.rate))
+    inner = slice(80, -80)
+    left, slope = at.residual[inner], columns.of_parameter(at, lag, "delay", 1e-5)[inner]
+    both = np.stack([slope, of_lag_shape(at, lag)[inner]], axis=1)
+    by_delay, by_both = (_explained(left, each) for each in (both[:, :1], both))
+    assert np.linalg.norm(by_both) < 0.1 * np.linalg.norm(by_delay)
+
+
+def _explained(rows: Array, by: Array) -> Array:
+    """What columns leave of rows."""
+    return np.asarray(rows - by @ np.linalg.lstsq(by, rows, rcond=None)[0])
 
 
 def test_noise_is_found_in_the_data() -> None:

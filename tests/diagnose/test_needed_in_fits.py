@@ -34,7 +34,7 @@ def test_what_is_there_is_missed_and_what_is_not_is_left_out(found: Posterior) -
     (friction,) = found.best
     offset = (_place(found, "torque_offset"), 0)
     made = needed_in_fits(with_best(found, found.best | {offset}))
-    odds = {rest: each for rest, _, each in made.by_fits}
+    odds = {frozenset(c for c, _ in rest): each for rest, _, each in made.by_fits}
     assert made.best == found.best
     assert [effect.name for effect in made.fitted.hypothesis.effects] == ["coulomb_friction"]
     assert odds[frozenset({friction[0]})] == 1.0
@@ -55,7 +55,8 @@ def test_one_of_two_that_fits_do_not_need_is_an_a_or_b() -> None:
     """Where fits with either one alone are as likely, one is named with the other as its rival."""
     sure = Masses.of({frozenset({(0, 0), (1, 0), (2, 0)}): 0.0, frozenset({(0, 0), (1, 0)}): -0.5})
     both = frozenset({0, 1, 2})
-    weighed = sure.by_fits([(both - {2}, both, 1.0), (both - {1}, both, 1.0), (both - {0}, both, 0.0)])
+    at = [frozenset((c, 0) for c in both - {left_out}) for left_out in (2, 1, 0)]
+    weighed = sure.by_fits([(at[0], both, 1.0), (at[1], both, 1.0), (at[2], both, 0.0)])
     alone, either = names(weighed, frozenset({0, 1}))
     assert (alone.rivals, alone.established) == ((), True)
     assert (either.rivals, either.established) == ((2,), True)
@@ -65,6 +66,9 @@ def test_fits_count_where_they_tell_more() -> None:
     """A set has the mass that the equations or a fit give it, whichever is more, and not both."""
     both, one, other = frozenset({0, 1}), frozenset({0}), frozenset({1})
     here = Masses.of({frozenset({(0, 0), (1, 0)}): 0.0, frozenset({(0, 0)}): float(np.log(0.2))})
-    made = here.by_fits([(one, both, 0.1), (other, both, 0.4)])
+    made = here.by_fits([(frozenset({(0, 0)}), both, 0.1), (frozenset({(1, 3)}), both, 0.4)])
     found = dict(zip(made.sets, made.probability, strict=True))
     assert found == {both: pytest.approx(1.0 / 1.6), one: pytest.approx(0.2 / 1.6), other: pytest.approx(0.4 / 1.6)}
+    assert made.sets == (both, other, one)
+    assert made.structures[1] == frozenset({(1, 3)})  # at the grid point of the fit
+    assert made.log[1] == pytest.approx(np.log(0.4))

@@ -56,6 +56,7 @@ MORE = [
         "a wave of an encoder as large as the width of a spring's hysteresis, which looks like a gear's",
     ),
     ("triple", 125001, 0, "elasticity, Stribeck friction and a wrong stiffness, which a torque gain imitates"),
+    ("pair", 132001, 0, "a late command and a late encoder of the same joint"),
     ("outside", 104001, 0, "a cable between axes, which looks like a rotor inertia that nothing determines"),
 ]
 """Cases that CI leaves out: `pytest -m slow` runs them."""
@@ -92,6 +93,18 @@ def test_a_payload_on_an_arm_whose_motor_is_at_its_limit(tmp_path: Path) -> None
     assert limit["effect"] == "torque_speed_limit"
     assert payload["effect"] == "payload"
     assert [each["parameter"] for each in payload["indistinguishable_from"]] == ["link_mass"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("family", "seed", "number"), [("pair", 132001, 1), ("pair", 133001, 1), ("triple", 132001, 0)]
+)
+def test_a_gap_on_one_side_is_an_offset_too(family: str, seed: int, number: int, tmp_path: Path) -> None:
+    """Gravity winds the spring one way: "offset or backlash" is told, beside the other effects."""
+    found, truth = diagnosed(family, seed, number, tmp_path)
+    assert outcome(truth, found) == "half", (found["findings"], truth["hidden"])
+    either = next(each for each in found["findings"] if each["indistinguishable_from"])
+    assert [each["effect"] for each in (either, *either["indistinguishable_from"])] == ["sensor_offset", "backlash"]
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -36,31 +37,60 @@ def rivals_in_fits(found: Posterior) -> Posterior:
     Args:
         found: the posterior, whose best structure is fitted to the equations.
     """
-    space, best, made = found.space, found.best, found.fitted
-    here = log_posterior(space, best, made) + _log_between_points(space, best, made)
-    whole = frozenset(c for c, _ in best)
-    likely, odds = (here + EVEN_ODDS_WINDOW, best, made), list(found.by_fits)
-    for structure, start in (*_swapped(space, best), *_one_sided(space, best, made)):
-        value, other = fit_if_likely(space, structure, start, made, here - OCCAM_WINDOW)
-        if other is None:
-            continue
-        value += _log_between_points(space, structure, other)
-        if _alike(space, other, made):
-            value = here + space.log_places(structure) - space.log_places(best)
-        odds.append((structure, whole, math.exp(min(value - here, LARGEST_LOG_ODDS))))
-        if value > likely[0]:
-            likely = (value, structure, other)
-    return dataclasses.replace(found, best=likely[1], fitted=likely[2], by_fits=tuple(odds))
+    space, whole = found.space, frozenset(c for c, _ in found.best)
+    here = _Tried.of(space, found.best, log_posterior(space, found.best, found.fitted), found.fitted)
+    tried = []
+    for structure, start in (*_swapped(space, here.structure), *_one_sided(space, here.structure, here.made)):
+        value, other = fit_if_likely(space, structure, start, here.made, here.value - OCCAM_WINDOW)
+        if other is not None:
+            tried.append(_Tried.of(space, structure, value, other))
+    tried = [each.beside(here, space) for each in tried]
+    likely = max((each for each in tried if each.value > here.value + EVEN_ODDS_WINDOW), key=_value, default=here)
+    odds = [
+        (each.structure, whole, math.exp(min(each.value - here.value, LARGEST_LOG_ODDS)))
+        for each in (each if each is likely else each.beside(likely, space) for each in tried)
+    ]
+    by_fits = (*found.by_fits, *odds)
+    return dataclasses.replace(found, best=likely.structure, fitted=likely.made, by_fits=by_fits)
 
 
-def _alike(space: Space, one: Fit, other: Fit) -> bool:
-    """Whether the data do not tell two fits apart: as many numbers, and a ratio of likelihoods below 3.
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """A structure that was fitted.
 
-    Widths of priors are choices, and no name rests on them alone: such structures have the prior odds of their places.
+    Attributes:
+        structure: candidates with their grid points.
+        value: log posterior.
+        made: its fit.
     """
-    numbers = [len(each.hypothesis.unknowns()) + len(each.hypothesis.freed) for each in (one, other)]
-    left = [space.noise.log_likelihood(squares_left(each.equations, each.space)) for each in (one, other)]
-    return numbers[0] == numbers[1] and abs(left[0] - left[1]) < EVEN_ODDS_WINDOW
+
+    structure: Structure
+    value: float
+    made: Fit
+
+    @classmethod
+    def of(cls, space: Space, structure: Structure, value: float, made: Fit) -> _Tried:
+        """With Occam's factor of the numbers that the fit has moved between the points of their grid."""
+        return cls(structure, value + _log_between_points(space, structure, made), made)
+
+    def beside(self, other: _Tried, space: Space) -> _Tried:
+        """The same with the prior odds of places to another structure, if the data do not tell the two apart.
+
+        That is so if they have as many numbers, and a ratio of likelihoods below 3. Widths of priors are choices, and
+        no name rests on them alone.
+        """
+        hypotheses = [each.made.hypothesis for each in (self, other)]
+        one, two = (len(each.unknowns()) + len(each.freed) for each in hypotheses)
+        left = [squares_left(each.made.equations, each.made.space) for each in (self, other)]
+        likelihoods = [space.noise.log_likelihood(each) for each in left]
+        if one != two or abs(likelihoods[0] - likelihoods[1]) > EVEN_ODDS_WINDOW:
+            return self
+        places = space.log_places(self.structure) - space.log_places(other.structure)
+        return dataclasses.replace(self, value=other.value + places)
+
+
+def _value(tried: _Tried) -> float:
+    return tried.value
 
 
 def _log_between_points(space: Space, structure: Structure, made: Fit) -> float:
