@@ -14,6 +14,7 @@ from scipy.optimize import least_squares
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.hypothesis.estimate import _after, _begun, fit
+from flexdyn.diagnose.hypothesis.exact_descent import LEAST_DESCENT, descended
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import OUT_OF_TOLERANCE_WIDTH, linearised, reached
@@ -125,6 +126,16 @@ def test_a_fit_begins_with_numbers_bent_only_where_data_speaks_for_them(right: b
     bent = dataclasses.replace(start, factors={**start.factors, number: 1.0 / 1.4})
     assert _begun(bent, space).hypothesis.factors == (bent if right else bent.tolerated()).factors
     assert fit(bent, space).hypothesis.factors[number] == pytest.approx(1.0 / 1.4 if right else 1.0, rel=1e-3)
+
+
+def test_a_fit_whose_slopes_lead_up_goes_down_along_differences() -> None:
+    """Slopes of the file's numbers with the wrong sign: Gauss-Newton stays, differences find the least squares."""
+    space, start = problem(fd.effects.ParameterError("link2", parameter="link_com", factor=1.03))
+    stalled = fit(start, dataclasses.replace(space, numbers=-space.numbers))
+    made, lowest = descended(stalled), least(space, start)
+    assert stalled.reached > 100.0 * lowest
+    assert made.stationary
+    assert made.reached < lowest + 2.0 * LEAST_DESCENT
 
 
 def test_what_is_left_at_a_place_is_known_without_its_slopes() -> None:

@@ -20,6 +20,7 @@ from flexdyn.diagnose.decision.one_law import completing
 from flexdyn.diagnose.decision.seen import stays
 from flexdyn.diagnose.decision.verdict import left
 from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.exact_descent import descended
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
 from flexdyn.diagnose.inference.apart import genuine, shares
@@ -232,14 +233,17 @@ def _fitted(found: Posterior, made: Fit, kept: Collection[int]) -> Fit:
 
 
 def _continued(made: Fit) -> Fit:
-    """The fit, continued as long as it has not converged and still gains: a corner of a law shortens many steps."""
+    """The fit, continued as long as it has not converged and still gains: a corner of a law shortens many steps.
+
+    If it gains nothing more and still promises something, its slopes are wrong: then along differences.
+    """
     for _ in range(CONTINUATIONS):
         if made.block or converged(made):
             break
         before, made = made.reached, fit(made.hypothesis, made.space)
         if made.reached > before - PROMISED_DROP:
             break
-    return made
+    return made if made.block or converged(made) else descended(made)
 
 
 def leaves_noise(made: Fit, plain: Workspace) -> bool:
