@@ -40,6 +40,26 @@ def sign_mask(equations: Equations, noise: SampleNoise, *, alone: bool = False) 
     return np.concatenate(found)
 
 
+def passage_mask(equations: Equations, noise: SampleNoise) -> Flags:
+    """Rows (rows,) whose filters cover an instant at which a joint with a computed position begins or ends to stick.
+
+    Its friction jumps there at an uncertain instant, and so does the position that is computed from its torque. All
+    equations contain the accelerations of that position. In a long rest they are hardly wrong.
+
+    Args:
+        equations: that have the rows.
+        noise: of the encoders.
+    """
+    found = []
+    for along in equations.motions:
+        hidden = np.zeros(len(along.t), dtype=bool)
+        for j in np.flatnonzero(equations.unmeasured).tolist():
+            hidden |= _covered(equations, along, borders(_uncertain(equations, along, noise, j, TOTAL)))
+        rows = hidden[equations.filters.instants(len(along.t))]
+        found.append(np.repeat(rows, len(equations.kinds)))
+    return np.concatenate(found)
+
+
 def _uncertain(equations: Equations, along: SmoothedMotion, noise: SampleNoise, j: int, kind: str) -> Flags:
     """Samples at which the sign of a velocity in an equation of a joint is uncertain."""
     data = along.data

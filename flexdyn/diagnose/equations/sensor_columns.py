@@ -8,7 +8,7 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.diagnose.data.sensors import true_channel
+from flexdyn.diagnose.data.sensors import advanced, true_channel
 from flexdyn.diagnose.equations.equations import Equations, Torques
 from flexdyn.diagnose.equations.held_torque import centred
 from flexdyn.diagnose.equations.motion import SmoothedMotion
@@ -49,10 +49,10 @@ def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect 
 
 
 def of_lag_shape(equations: Equations, effect: ChannelLag) -> Array:
-    """First-order change of the rows (rows,) by what a torque's lag is: a delay d, or a low pass of time constant d.
+    """Change of the rows (rows,) by what a torque's lag is: a delay d, or a low pass of first order.
 
-    ``tau(t) = y(t + d) = y + d y' + d^2 y''/2`` for a delay, ``tau = y + d y'`` for a low pass of first order. The
-    difference is ``d^2 y''/2``.
+    ``tau(t) = y(t + d)`` for a delay, ``tau = y + d y'`` for a low pass of time constant d. Both are the same to first
+    order; this is the difference.
 
     Args:
         equations: of a model that has the lag.
@@ -61,8 +61,10 @@ def of_lag_shape(equations: Equations, effect: ChannelLag) -> Array:
     j = equations.true.index(effect.joint)
 
     def torques(along: SmoothedMotion) -> Torques:
-        seen = centred(along.data.channel(effect.signal)[:, j])
-        return 0.5 * effect.delay**2 * _smoothed(equations, along, seen, 2), None, None
+        ahead = centred(along.data.channel(effect.signal)[:, j])  # y(t + d): the data are without the model's lags
+        y = advanced(ahead, -effect.delay, along.data.dt)
+        passed = _smoothed(equations, along, y, 0) + effect.delay * _smoothed(equations, along, y, 1)
+        return _smoothed(equations, along, ahead, 0) - passed, None, None
 
     return equations.of_terms(j, torques)
 
