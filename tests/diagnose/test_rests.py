@@ -13,7 +13,7 @@ from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.covariance import whitener
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.equations.mask import sign_mask
+from flexdyn.diagnose.equations.mask import passage_mask, sign_mask
 from flexdyn.diagnose.equations.rest import borders, long_runs, near
 from flexdyn.diagnose.hypothesis.workspace import recorded_noise
 from tests.arms import two_link
@@ -77,6 +77,35 @@ def test_they_hold_noise_though_the_friction_of_the_resting_joint_is_unknown() -
     white, used = _whitened()
     for j in range(2):
         assert np.sqrt(np.mean(white[used[:, j], j] ** 2)) < 2.0
+
+
+def test_passages_of_a_computed_position_are_hidden_and_long_rests_are_not() -> None:
+    """Where the motors change their parts, and at reversals; all rows there, as all contain that position."""
+    model = two_link(STIFF)
+    data = measured(model, _recording())
+    at = Equations(model, (data,), Filters.of_rate(data.dt))
+    hidden, own = (mask(at, recorded_noise((data,))).reshape(-1, 2) for mask in (passage_mask, sign_mask))
+    assert np.array_equal(hidden[:, 0], hidden[:, 1])
+    half = len(hidden) // 2
+    assert hidden[half - 1 : half + 2].all()
+    assert own.all()  # for the rests
+    assert hidden[:half].mean() < 0.5
+    turns = near(np.diff(np.sign(at.motions[0].omega[:, 0]), prepend=0.0) != 0.0, 2)[
+        at.filters.instants(len(at.motions[0].t))
+    ]
+    moving = np.arange(len(hidden)) < half - 5
+    assert hidden[turns & moving].all()
+
+
+def test_links_that_are_measured_hide_nothing() -> None:
+    """A position that is not computed knows of no friction."""
+    states, tau = _one_after_the_other()
+    channels = dict(_recording().channels) | {
+        f"q.{joint}": states[:, j] for j, joint in enumerate(("shoulder", "elbow"))
+    }
+    model = two_link(STIFF)
+    data = measured(model, fd.Recording(np.arange(len(tau)) / RATE, channels))
+    assert not passage_mask(Equations(model, (data,), Filters.of_rate(data.dt)), recorded_noise((data,))).any()
 
 
 def test_runs_borders_and_neighbours() -> None:

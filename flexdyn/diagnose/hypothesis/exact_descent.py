@@ -16,7 +16,7 @@ from flexdyn.errors import SimulationError
 
 DESCENTS = 8
 """Steps along differences, at most."""
-DAMPINGS = (0.0, 1e-6, 1e-4, 1e-2, 1.0, 100.0)
+LEVENBERG_FACTORS = (0.0, 1e-6, 1e-4, 1e-2, 1.0, 100.0)
 """Levenberg's and Marquardt's factor of the curvatures' diagonal, until a step leads down [1]."""
 DIFFERENCE = 0.3
 """Distance over which a difference is taken, in standard deviations of the number if all others were known [1]."""
@@ -71,7 +71,7 @@ def _gradient(made: Fit, free: Indices) -> Array:
 def _lower(made: Fit, free: Indices, H: Array, gradient: Array) -> Hypothesis | None:
     """The hypothesis after the least damped step that leads down; None: none does."""
     step, scale = np.zeros(made.regression.X.shape[1]), np.diag(np.maximum(np.diag(H), 1e-300))
-    for damping in DAMPINGS:
+    for damping in LEVENBERG_FACTORS:
         step[free] = -0.5 * np.linalg.lstsq(H + damping * scale, gradient, rcond=1e-12)[0]
         trial = moved(made.hypothesis, step, made.scales)
         if _reached(trial, made) < made.reached - LEAST_DESCENT:
