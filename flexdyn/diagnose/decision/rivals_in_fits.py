@@ -9,16 +9,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexdyn.arrays import Flags
 from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
+from flexdyn.diagnose.equations.mask import passage_mask
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.elsewhere import fit_if_likely, log_density_at, log_posterior, squares_left
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.inference.search import OCCAM_WINDOW, Scan
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
-from flexdyn.effects import SensorOffset
+from flexdyn.effects import SensorOffset, effect_from_dict
 from flexdyn.errors import SimulationError
 
 RIVAL_LOSS = 0.01
@@ -37,13 +40,14 @@ def rivals_in_fits(found: Posterior) -> Posterior:
     Args:
         found: the posterior, whose best structure is fitted to the equations.
     """
-    space, whole = found.space, frozenset(c for c, _ in found.best)
-    here = _Tried.of(space, found.best, log_posterior(space, found.best, found.fitted), found.fitted)
-    tried = []
-    for structure, start in (*_swapped(space, here.structure), *_one_sided(space, here.structure, here.made)):
-        value, other = fit_if_likely(space, structure, start, here.made, here.value - OCCAM_WINDOW)
+    space, hidden = found.space, passage_mask(found.fitted.equations, found.noise)
+    here = _Tried.of(space, found.best, log_posterior(space, found.best, found.fitted), found.fitted, hidden)
+    here = _plainest(space, here, hidden)
+    best, made, whole, tried = here.structure, here.made, frozenset(c for c, _ in here.structure), []
+    for structure, start in (*_swapped(space, best), *_one_sided(space, best, made)):
+        value, other = fit_if_likely(space, structure, start, made, here.promised - OCCAM_WINDOW)
         if other is not None:
-            tried.append(_Tried.of(space, structure, value, other))
+            tried.append(_Tried.of(space, structure, value, other, hidden))
     tried = [each.beside(here, space) for each in tried]
     likely = max((each for each in tried if each.value > here.value + EVEN_ODDS_WINDOW), key=_value, default=here)
     odds = [
@@ -60,18 +64,29 @@ class _Tried:
 
     Attributes:
         structure: candidates with their grid points.
-        value: log posterior.
+        value: log posterior without the rows that passages hide.
+        likelihood: log likelihood without them.
+        promised: log posterior with them.
         made: its fit.
     """
 
     structure: Structure
     value: float
+    likelihood: float
+    promised: float
     made: Fit
 
     @classmethod
-    def of(cls, space: Space, structure: Structure, value: float, made: Fit) -> _Tried:
-        """With Occam's factor of the numbers that the fit has moved between the points of their grid."""
-        return cls(structure, value + _log_between_points(space, structure, made), made)
+    def of(cls, space: Space, structure: Structure, value: float, made: Fit, hidden: Flags) -> _Tried:
+        """Of a fit and its log posterior, with Occam's factor of numbers between the points of their grid.
+
+        Where a joint with a computed position begins or ends to stick, all rows contain what its friction does at an
+        uncertain instant. They do not tell one law of friction from another.
+        """
+        at, work = made.equations, made.space
+        all_ = space.noise.log_likelihood(squares_left(at, work))
+        seen = space.noise.log_likelihood(squares_left(at, work, hidden)) if hidden.any() else all_
+        return cls(structure, value - all_ + seen + _log_between_points(space, structure, made), seen, value, made)
 
     def beside(self, other: _Tried, space: Space) -> _Tried:
         """The same with the prior odds of places to another structure, if the data do not tell the two apart.
@@ -81,12 +96,36 @@ class _Tried:
         """
         hypotheses = [each.made.hypothesis for each in (self, other)]
         one, two = (len(each.unknowns()) + len(each.freed) for each in hypotheses)
-        left = [squares_left(each.made.equations, each.made.space) for each in (self, other)]
-        likelihoods = [space.noise.log_likelihood(each) for each in left]
-        if one != two or abs(likelihoods[0] - likelihoods[1]) > EVEN_ODDS_WINDOW:
+        if one != two or abs(self.likelihood - other.likelihood) > EVEN_ODDS_WINDOW:
             return self
         places = space.log_places(self.structure) - space.log_places(other.structure)
         return dataclasses.replace(self, value=other.value + places)
+
+
+def _plainest(space: Space, here: _Tried, hidden: Flags) -> _Tried:
+    """A fit, or one with a plainer law in the place of one where that is more likely; it begins at the same numbers."""
+    for each in sorted(here.structure):
+        me = space.candidates[each[0]]
+        for c, other in enumerate(space.candidates):
+            if other.kind not in me.law.plainer or other.spot != me.spot or c in dict(here.structure):
+                continue
+            structure = here.structure - {each} | {(c, 0)}
+            start = _with_plainer(here.made.hypothesis, me, other) or hypothesis_of(space, structure, whole=True)
+            value, made = fit_if_likely(space, structure, start, here.made, -math.inf)
+            if made is not None:
+                here = max(here, _Tried.of(space, structure, value, made, hidden), key=_value)
+    return here
+
+
+def _with_plainer(here: Hypothesis, candidate: Candidate, plainer: Candidate) -> Hypothesis | None:
+    """A hypothesis with a plainer law in the place of one, at the same numbers; None where they are other numbers."""
+    effect = effect_of(candidate, here)
+    names = [entry.name for entry in plainer.law.parameters()]
+    if effect is None or not all(hasattr(effect, name) for name in names):
+        return None
+    numbers = {name: getattr(effect, name) for name in names}
+    instead = effect_from_dict({"effect": plainer.kind, **plainer.place, **numbers})
+    return dataclasses.replace(here, effects=tuple(instead if each is effect else each for each in here.effects))
 
 
 def _value(tried: _Tried) -> float:

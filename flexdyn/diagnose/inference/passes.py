@@ -10,7 +10,7 @@ import numpy as np
 
 from flexdyn.arrays import Flags
 from flexdyn.diagnose.equations.covariance import SampleNoise
-from flexdyn.diagnose.equations.mask import passage_mask, sign_mask
+from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
@@ -107,8 +107,6 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         # Fits of links that are simulated often stall; there it counts at once.
         settled = stays or (places in compared if bare.equations.replayed.any() else (at, places) in passed)
         passed.add((at, places))
-        shown, mask = mask, _hidden(bare, near, best)
-        settled = settled and mask is shown
         earlier = () if stays else other_linearisations(compared, places)
         compared.append(places)
         if settled or k == MOST_PASSES - 1:
@@ -120,19 +118,6 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
     best = among_rivals(space, explore(space, [best]))
     fitted = near.best_fitted(best, LAST_STEPS, whole=True)
     return Posterior(space, best, fitted, near.noise, settled, space.known, earlier=earlier)
-
-
-def _hidden(bare: Unweighted, near: Linearisation, best: Structure) -> Flags:
-    """Rows that are not used (rows,), with those that springs of a structure hide which the file lacks.
-
-    See `passage_mask`. The mask stays where too few rows would be left.
-    """
-    if not any(waits(near.space, c) for c, _ in best):
-        return near.mask
-    there = hypothesis_of(near.space, best, whole=True)
-    wider = near.mask | passage_mask(bare.equations.of(there.model()), near.noise)
-    left = (~wider).reshape(-1, len(bare.equations.kinds)).sum(axis=0)
-    return near.mask if left.min() < len(there.factors) or np.array_equal(wider, near.mask) else wider
 
 
 def _numbers_alone(bare: Unweighted, recorded: SampleNoise, mask: Flags, start: Hypothesis) -> Hypothesis:
