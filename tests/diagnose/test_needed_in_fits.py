@@ -10,6 +10,7 @@ from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import names
 from flexdyn.diagnose.decision.needed_in_fits import needed_in_fits
 from flexdyn.diagnose.decision.one_law import with_best
+from flexdyn.diagnose.decision.rivals_in_fits import rivals_in_fits
 from flexdyn.diagnose.hypothesis.workspace import prepared
 from flexdyn.diagnose.inference.passes import Posterior, posterior
 from tests.diagnose.test_simulated import FORCE, LEVEL, LEVELS, MASS, RATE
@@ -49,6 +50,19 @@ def test_what_is_needed_stays(found: Posterior) -> None:
     ((rest, whole, odds),) = made.by_fits
     assert (rest, whole) == (frozenset(), frozenset(c for c, _ in found.best))
     assert odds < 1e-6
+
+
+def test_a_plainer_law_takes_the_place_of_one_that_contains_it(found: Posterior) -> None:
+    """Friction that has two levels, or a bristle, where it has one level and none: its fit is as good as theirs."""
+    ((plain, _),) = found.best
+    for kind in ("asymmetric_friction", "presliding_friction"):
+        given = with_best(found, frozenset({(_place(found, kind), 0)}))
+        made = rivals_in_fits(given)
+        assert {c for c, _ in made.best} == {plain}
+        structure, whole, odds = made.by_fits[0]
+        assert (structure, whole) == (made.best, frozenset(c for c, _ in given.best))
+        assert odds > 1.0
+        assert made.fitted.reached == pytest.approx(found.fitted.reached, rel=0.02)
 
 
 def test_one_of_two_that_fits_do_not_need_is_an_a_or_b() -> None:

@@ -5,17 +5,15 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
-
-import numpy as np
 
 from flexdyn.arrays import Flags
 from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
+from flexdyn.diagnose.decision.tried import Tried
 from flexdyn.diagnose.equations.mask import passage_mask
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.elsewhere import fit_if_likely, log_density_at, log_posterior, squares_left
+from flexdyn.diagnose.inference.elsewhere import fit_if_likely, log_density_at, log_posterior
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.inference.search import OCCAM_WINDOW, Scan
@@ -26,8 +24,6 @@ from flexdyn.errors import SimulationError
 
 RIVAL_LOSS = 0.01
 """Share of a candidate's gain by which the linear equations may be wrong: a rival that loses less is fitted [1]."""
-LARGEST_LOG_ODDS = 300.0
-"""Larger ones are certainty."""
 
 
 def rivals_in_fits(found: Posterior) -> Posterior:
@@ -41,68 +37,22 @@ def rivals_in_fits(found: Posterior) -> Posterior:
         found: the posterior, whose best structure is fitted to the equations.
     """
     space, hidden = found.space, passage_mask(found.fitted.equations, found.noise)
-    here = _Tried.of(space, found.best, log_posterior(space, found.best, found.fitted), found.fitted, hidden)
-    here = _plainest(space, here, hidden)
-    best, made, whole, tried = here.structure, here.made, frozenset(c for c, _ in here.structure), []
+    first = Tried.of(space, found.best, log_posterior(space, found.best, found.fitted), found.fitted, hidden)
+    here = _plainest(space, first, hidden)
+    plainer = [here.odds_to(first)] if here is not first else []
+    best, made, tried = here.structure, here.made, []
     for structure, start in (*_swapped(space, best), *_one_sided(space, best, made)):
         value, other = fit_if_likely(space, structure, start, made, here.promised - OCCAM_WINDOW)
         if other is not None:
-            tried.append(_Tried.of(space, structure, value, other, hidden))
+            tried.append(Tried.of(space, structure, value, other, hidden))
     tried = [each.beside(here, space) for each in tried]
     likely = max((each for each in tried if each.value > here.value + EVEN_ODDS_WINDOW), key=_value, default=here)
-    odds = [
-        (each.structure, whole, math.exp(min(each.value - here.value, LARGEST_LOG_ODDS)))
-        for each in (each if each is likely else each.beside(likely, space) for each in tried)
-    ]
-    by_fits = (*found.by_fits, *odds)
+    odds = [(each if each is likely else each.beside(likely, space)).odds_to(here) for each in tried]
+    by_fits = (*found.by_fits, *plainer, *odds)
     return dataclasses.replace(found, best=likely.structure, fitted=likely.made, by_fits=by_fits)
 
 
-@dataclass(frozen=True, eq=False)
-class _Tried:
-    """A structure that was fitted.
-
-    Attributes:
-        structure: candidates with their grid points.
-        value: log posterior without the rows that passages hide.
-        likelihood: log likelihood without them.
-        promised: log posterior with them.
-        made: its fit.
-    """
-
-    structure: Structure
-    value: float
-    likelihood: float
-    promised: float
-    made: Fit
-
-    @classmethod
-    def of(cls, space: Space, structure: Structure, value: float, made: Fit, hidden: Flags) -> _Tried:
-        """Of a fit and its log posterior, with Occam's factor of numbers between the points of their grid.
-
-        Where a joint with a computed position begins or ends to stick, all rows contain what its friction does at an
-        uncertain instant. They do not tell one law of friction from another.
-        """
-        at, work = made.equations, made.space
-        all_ = space.noise.log_likelihood(squares_left(at, work))
-        seen = space.noise.log_likelihood(squares_left(at, work, hidden)) if hidden.any() else all_
-        return cls(structure, value - all_ + seen + _log_between_points(space, structure, made), seen, value, made)
-
-    def beside(self, other: _Tried, space: Space) -> _Tried:
-        """The same with the prior odds of places to another structure, if the data do not tell the two apart.
-
-        That is so if they have as many numbers, and a ratio of likelihoods below 3. Widths of priors are choices, and
-        no name rests on them alone.
-        """
-        hypotheses = [each.made.hypothesis for each in (self, other)]
-        one, two = (len(each.unknowns()) + len(each.freed) for each in hypotheses)
-        if one != two or abs(self.likelihood - other.likelihood) > EVEN_ODDS_WINDOW:
-            return self
-        places = space.log_places(self.structure) - space.log_places(other.structure)
-        return dataclasses.replace(self, value=other.value + places)
-
-
-def _plainest(space: Space, here: _Tried, hidden: Flags) -> _Tried:
+def _plainest(space: Space, here: Tried, hidden: Flags) -> Tried:
     """A fit, or one with a plainer law in the place of one where that is more likely; it begins at the same numbers."""
     for each in sorted(here.structure):
         me = space.candidates[each[0]]
@@ -113,7 +63,7 @@ def _plainest(space: Space, here: _Tried, hidden: Flags) -> _Tried:
             start = _with_plainer(here.made.hypothesis, me, other) or hypothesis_of(space, structure, whole=True)
             value, made = fit_if_likely(space, structure, start, here.made, -math.inf)
             if made is not None:
-                here = max(here, _Tried.of(space, structure, value, made, hidden), key=_value)
+                here = max(here, Tried.of(space, structure, value, made, hidden), key=_value)
     return here
 
 
@@ -128,29 +78,8 @@ def _with_plainer(here: Hypothesis, candidate: Candidate, plainer: Candidate) ->
     return dataclasses.replace(here, effects=tuple(instead if each is effect else each for each in here.effects))
 
 
-def _value(tried: _Tried) -> float:
+def _value(tried: Tried) -> float:
     return tried.value
-
-
-def _log_between_points(space: Space, structure: Structure, made: Fit) -> float:
-    """Occam's factor of nonlinear numbers that a fit has moved between the points of their grid.
-
-    ``log(n) + sum of log(sigma / sigma_prior)``: the prior ``1/n`` of one of n points does not count, as a fit does not
-    stay at a point. The effects at which the linear equations stand have this factor there.
-    """
-    sigma = np.sqrt(np.diag(made.regression.covariance))
-    first, unknowns, total = len(made.hypothesis.factors), made.hypothesis.unknowns(), 0.0
-    for c, _ in structure:
-        candidate = space.candidates[c]
-        effect = effect_of(candidate, made.hypothesis)
-        if candidate.proposal is None or candidate.choices == 1 or candidate.law.periodic or effect is None:
-            continue
-        places = [
-            first + k for k, (each, name) in enumerate(unknowns) if each is effect and name in candidate.proposal.axes
-        ]
-        if all(0.0 < sigma[k] < made.regression.sigma[k] < math.inf for k in places):
-            total += math.log(candidate.choices) + float(np.log(sigma[places] / made.regression.sigma[places]).sum())
-    return total
 
 
 def _swapped(space: Space, best: Structure) -> list[tuple[Structure, Hypothesis]]:

@@ -1,0 +1,89 @@
+"""A structure that was fitted, and its odds to another one by what the data and the prior of places tell."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexdyn.arrays import Flags
+from flexdyn.diagnose.decision.model_effects import effect_of
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.inference.elsewhere import squares_left
+from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
+from flexdyn.diagnose.inference.space import Space, Structure
+
+LARGEST_LOG_ODDS = 300.0
+"""Larger ones are certainty."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """A structure that was fitted.
+
+    Attributes:
+        structure: candidates with their grid points.
+        value: log posterior without the rows that passages hide.
+        likelihood: log likelihood without them.
+        promised: log posterior with them.
+        made: its fit.
+    """
+
+    structure: Structure
+    value: float
+    likelihood: float
+    promised: float
+    made: Fit
+
+    @classmethod
+    def of(cls, space: Space, structure: Structure, value: float, made: Fit, hidden: Flags) -> Tried:
+        """Of a fit and its log posterior, with Occam's factor of numbers between the points of their grid.
+
+        Where a joint with a computed position begins or ends to stick, all rows contain what its friction does at an
+        uncertain instant. They do not tell one law of friction from another.
+        """
+        at, work = made.equations, made.space
+        all_ = space.noise.log_likelihood(squares_left(at, work))
+        seen = space.noise.log_likelihood(squares_left(at, work, hidden)) if hidden.any() else all_
+        return cls(structure, value - all_ + seen + _log_between_points(space, structure, made), seen, value, made)
+
+    def odds_to(self, other: Tried) -> tuple[Structure, frozenset[int], float]:
+        """This structure, the candidates of another one, and the odds to that."""
+        whole = frozenset(c for c, _ in other.structure)
+        return self.structure, whole, math.exp(min(self.value - other.value, LARGEST_LOG_ODDS))
+
+    def beside(self, other: Tried, space: Space) -> Tried:
+        """The same with the prior odds of places to another structure, if the data do not tell the two apart.
+
+        That is so if they have as many numbers, and a ratio of likelihoods below 3. Widths of priors are choices, and
+        no name rests on them alone.
+        """
+        hypotheses = [each.made.hypothesis for each in (self, other)]
+        one, two = (len(each.unknowns()) + len(each.freed) for each in hypotheses)
+        if one != two or abs(self.likelihood - other.likelihood) > EVEN_ODDS_WINDOW:
+            return self
+        places = space.log_places(self.structure) - space.log_places(other.structure)
+        return dataclasses.replace(self, value=other.value + places)
+
+
+def _log_between_points(space: Space, structure: Structure, made: Fit) -> float:
+    """Occam's factor of nonlinear numbers that a fit has moved between the points of their grid.
+
+    ``log(n) + sum of log(sigma / sigma_prior)``: the prior ``1/n`` of one of n points does not count, as a fit does not
+    stay at a point. The effects at which the linear equations stand have this factor there.
+    """
+    sigma = np.sqrt(np.diag(made.regression.covariance))
+    first, unknowns, total = len(made.hypothesis.factors), made.hypothesis.unknowns(), 0.0
+    for c, _ in structure:
+        candidate = space.candidates[c]
+        effect = effect_of(candidate, made.hypothesis)
+        if candidate.proposal is None or candidate.choices == 1 or candidate.law.periodic or effect is None:
+            continue
+        places = [
+            first + k for k, (each, name) in enumerate(unknowns) if each is effect and name in candidate.proposal.axes
+        ]
+        if all(0.0 < sigma[k] < made.regression.sigma[k] < math.inf for k in places):
+            total += math.log(candidate.choices) + float(np.log(sigma[places] / made.regression.sigma[places]).sum())
+    return total
