@@ -8,7 +8,7 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.diagnose.data.sensors import advanced, true_channel
+from flexdyn.diagnose.data.sensors import true_channel
 from flexdyn.diagnose.equations.equations import Equations, Torques
 from flexdyn.diagnose.equations.held_torque import centred
 from flexdyn.diagnose.equations.motion import SmoothedMotion
@@ -49,10 +49,11 @@ def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect 
 
 
 def of_lag_shape(equations: Equations, effect: ChannelLag) -> Array:
-    """Change of the rows (rows,) by what a torque's lag is: a delay d, or a low pass of first order.
+    """Change of the rows (rows,) by the shape of the filter that makes a torque late.
 
-    ``tau(t) = y(t + d)`` for a delay, ``tau = y + d y'`` for a low pass of time constant d. Both are the same to first
-    order; this is the difference.
+    A filter is the mean d of its impulse response and the variance s^2 of that, to second order:
+    ``tau(t) = y(t + d) - s^2 y''(t + d)/2``. A delay has s = 0, a low pass of first order s = d. This is the
+    difference between these two.
 
     Args:
         equations: of a model that has the lag.
@@ -62,9 +63,7 @@ def of_lag_shape(equations: Equations, effect: ChannelLag) -> Array:
 
     def torques(along: SmoothedMotion) -> Torques:
         ahead = centred(along.data.channel(effect.signal)[:, j])  # y(t + d): the data are without the model's lags
-        y = advanced(ahead, -effect.delay, along.data.dt)
-        passed = _smoothed(equations, along, y, 0) + effect.delay * _smoothed(equations, along, y, 1)
-        return _smoothed(equations, along, ahead, 0) - passed, None, None
+        return 0.5 * effect.delay**2 * _smoothed(equations, along, ahead, 2), None, None
 
     return equations.of_terms(j, torques)
 
