@@ -1,4 +1,4 @@
-"""The smallest wave on a position that is no rounding: against waves that are fitted to rounding errors."""
+"""How large an effect must be: waves against rounding errors, dampings against the decay of a vibration."""
 
 from __future__ import annotations
 
@@ -47,3 +47,25 @@ def test_an_offset_may_be_a_step() -> None:
     assert _sizes(1e-3).resolution({"effect": "sensor_offset", "channel": "q.elbow"}) == pytest.approx(1e-3)
     assert _sizes(1.0).resolution({"effect": "kinematic_error", "joint": "elbow"}) == pytest.approx(1.0)
     assert _sizes(1.0).resolution({"effect": "torque_ripple", "joint": "elbow"}) == 0.0
+
+
+def test_a_damping_counts_by_how_fast_a_vibration_decays() -> None:
+    """Elbow and rotor against each other, the shoulder held: from the ratio 0.01 of the eigenvalues on."""
+    sizes, j = _sizes(1e-3), 1
+    link = float(np.mean([ARM.inertias(float(q))[1] for q in SWAY]))
+    J, K = ARM.rotor[j], ARM.stiffness[j]
+
+    def ratio(D: float) -> float:
+        stiffness, damping = (x * np.array([[1.0, -1.0], [-1.0, 1.0]]) for x in (K, D))
+        mass = np.diag([link, J])
+        A = np.block(
+            [[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping)]]
+        )
+        fastest = max(np.linalg.eigvals(A), key=abs)
+        return float(-fastest.real / abs(fastest))
+
+    share = 1e-4
+    for D in (0.01, 0.1):
+        damping = fd.effects.TransmissionDamping("elbow", coefficient=D)
+        assert sizes.smallest(damping, share) == pytest.approx(min(4e-3, share * 0.01 / ratio(D)), rel=1e-6)
+    assert sizes.smallest(fd.effects.ViscousFriction("elbow", side="link", coefficient=0.1), share) == 4e-3

@@ -12,7 +12,7 @@ from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.discrepancy import Seen
 from flexdyn.diagnose.inference.gram import Prior
 from flexdyn.diagnose.inference.library import Library
-from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE
+from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE, SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.inference.products import Products
 
 NEGLIGIBLE_SHARE = 3e-3
@@ -79,7 +79,8 @@ class CandidateMatrix:
                 continue
             if candidate.stands:
                 column, here = _tangents(column), here[1:]
-            std = NEGLIGIBLE_SHARE * np.minimum(column.std, EFFECT_TORQUE_SHARE / np.maximum(column.size, 1e-300))
+            share = NEGLIGIBLE_SHARE * min(1.0, column.smallest / SMALLEST_TORQUE_SHARE)
+            std = share * np.minimum(column.std, EFFECT_TORQUE_SHARE / np.maximum(column.size, 1e-300))
             mean, free = np.zeros_like(column.mean), column.positive & False
             found.append((dataclasses.replace(column, std=std, mean=mean, positive=free), here))
         return found
@@ -121,4 +122,5 @@ class CandidateMatrix:
 
 def _tangents(column: Column) -> Column:
     """Of an effect that stands, without what it does as it is."""
-    return Column(column.apart[:, 1:], column.std[1:], column.mean[1:], column.positive[1:], column.size[1:])
+    kept = {name: getattr(column, name)[1:] for name in ("std", "mean", "positive", "size")}
+    return dataclasses.replace(column, apart=column.apart[:, 1:], log_jacobian=0.0, gained=0, kept=None, **kept)

@@ -24,7 +24,6 @@ from flexdyn.diagnose.inference.priors import (
     FIXED_SIZE_WIDTH,
     FREED_TOLERANCES,
     FREED_WIDTH,
-    SMALLEST_TORQUE_SHARE,
 )
 from flexdyn.diagnose.inference.sizes import Sizes
 from flexdyn.diagnose.lazy import lazy
@@ -125,7 +124,9 @@ class ColumnMaker:
         scale = np.array([natural_spread(proposal.place["effect"], float(each)) for each in scale])
         signs = np.array([*proposal.positive, *[False] * width][:width])
         gained = sizes.rows_of(proposal.place["joint"]) if proposal.place["effect"] == TorqueConstantError.name else 0
-        least = max(SMALLEST_TORQUE_SHARE, sizes.resolution(proposal.place) * float(largest.max()))
+        units = zip(proposal.units(point), largest.tolist(), strict=True)
+        smallest = min(sizes.smallest(effect, size * most) for (effect, size), most in units)
+        least = max(smallest, sizes.resolution(proposal.place) * float(largest.max()))
         return Column(white, scale, np.zeros(width), signs, largest, gained=gained, smallest=least)
 
     def gear_ratio(self, proposal: Proposal) -> float:

@@ -16,7 +16,12 @@ from flexdyn.diagnose.equations.terms import of_joint, spring_torque
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.lazy import lazy
-from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError, registered
+from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError, TransmissionDamping, registered
+
+LEAST_DAMPING_RATIO = 0.01
+"""Damping ratio of a joint's vibration from which a damping of its transmission is an effect [1]: the vibration loses
+6 % with every cycle.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +71,29 @@ class Sizes:
             least: share of the torque below which an effect is none, whatever the encoders resolve [1].
         """
         share = max(float(self.largest(change[None])[0]), self.carried(effect))
+        least = min(least, self.smallest(effect, share))
         angle = abs(float(getattr(effect, effect.position_error or "-", np.inf)))
         place = {key: str(getattr(effect, key)) for key in ("joint", "channel") if hasattr(effect, key)}
         return share, max(least, self.resolution({"effect": effect.name, **place}) / max(angle, 1e-300) * share)
+
+    def smallest(self, effect: Effect, share: float) -> float:
+        """Share of torque from which an effect is one [1].
+
+        The damping of a transmission makes little torque, and yet decides how long a joint vibrates. It is one also
+        where its ratio ``zeta = D/(2 sqrt(K m))`` is large enough; m is the mass of rotor and link against each other.
+
+        Args:
+            effect: of which.
+            share: of its joint's torque that it makes.
+        """
+        if not isinstance(effect, TransmissionDamping):
+            return SMALLEST_TORQUE_SHARE
+        true = self.equations.true
+        j, along = true.index(effect.joint), self.equations.motions[0]
+        K, J = float(true.stiffness[j]), float(true.rotor_inertia[j])
+        link = float(np.mean(along.M[:, j, j]))
+        least_damping = 2.0 * LEAST_DAMPING_RATIO * math.sqrt(K * J * link / max(J + link, 1e-300))
+        return min(SMALLEST_TORQUE_SHARE, share * least_damping / max(effect.coefficient, 1e-300))
 
     def carried(self, effect: Effect, scale: float = 1.0) -> float:
         """Share of its joint's torque that a law of a transmission makes there, over `scale` [1].
