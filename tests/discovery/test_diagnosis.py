@@ -96,18 +96,6 @@ def test_a_payload_on_an_arm_whose_motor_is_at_its_limit(tmp_path: Path) -> None
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("family", "seed", "number"), [("pair", 132001, 1), ("pair", 133001, 1), ("triple", 132001, 0)]
-)
-def test_a_gap_on_one_side_is_an_offset_too(family: str, seed: int, number: int, tmp_path: Path) -> None:
-    """Gravity winds the spring one way: "offset or backlash" is told, beside the other effects."""
-    found, truth = diagnosed(family, seed, number, tmp_path)
-    assert outcome(truth, found) == "half", (found["findings"], truth["hidden"])
-    either = next(each for each in found["findings"] if each["indistinguishable_from"])
-    assert [each["effect"] for each in (either, *either["indistinguishable_from"])] == ["sensor_offset", "backlash"]
-
-
-@pytest.mark.slow
 def test_a_late_encoder_beside_friction_of_its_joint(tmp_path: Path) -> None:
     """Coulomb friction on a link and 3.6 ms of lag of its motor's encoder."""
     found, truth = diagnosed("pair", 5, 5, tmp_path)
