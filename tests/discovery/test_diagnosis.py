@@ -16,11 +16,11 @@ CASES = [
     ("rigid", 5, 7, "viscous friction"),
     ("none", 4, 0, "nothing"),
     ("outside", 4, 0, "a torque that drifts"),
-    ("triple", 117001, 4, "presliding and viscous friction of one motor, whose commands come late"),
 ]
 
 
 MORE = [
+    ("triple", 117001, 4, "presliding and viscous friction of one motor, whose commands come late"),
     ("triple", 118001, 4, "a wrong mass beside a hysteresis spring and a limit"),
     ("hard", 129001, 1, "a hardening spring, whose encoders have offsets of half a step"),
     ("hard", 120001, 1, "backlash under ten times the noise"),

@@ -22,7 +22,7 @@ DRAG = Hidden("quadratic_drag", 0, "motor", {"coefficient": 1.0})
         pytest.param(KINEMATIC, ("encoder_eccentricity", 0, "theta"), False, marks=pytest.mark.slow),
         # Lying down, the first joint has no zero of its own.
         pytest.param(OFFSET, ("sensor_offset", 0, "theta"), False, marks=pytest.mark.slow),
-        (DRAG, ("torque_offset", 0, "motor"), True),
+        pytest.param(DRAG, ("torque_offset", 0, "motor"), True, marks=pytest.mark.slow),
         (KINEMATIC, None, True),
     ],
     ids=lambda each: each if isinstance(each, bool) else (each[0] if isinstance(each, tuple) else None),
