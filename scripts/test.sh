@@ -13,18 +13,15 @@ unset PYTHONDONTWRITEBYTECODE
 bin=.venv/bin
 "$bin/ruff" check .
 "$bin/ruff" format --check .
-# Types and pages take one processor each: they are checked side by side. Tests begin when the types are right.
-trap 'jobs -p | xargs -r kill 2>/dev/null' EXIT
-build_docs &
-pages=$!
-"$bin/mypy" flexdyn tests scripts benchmarks
+# Types and pages take one processor each: they are checked side by side.
+"$bin/mypy" flexdyn tests scripts benchmarks &
+types=$!
+build_docs
+wait "$types"
 # Tests wait a fifth of their time for processes, clocks and the browser: one worker more than there are processors.
 # Tests of one file stay together, for they share what is dear to make.
 workers=$("$bin/python" -c 'import os; print((os.cpu_count() or 1) + 1)')
 # Threads of the linear algebra beside the workers would spend their time waiting for each other; tests that are about
 # them set their own number.
 export OPENBLAS_NUM_THREADS=1
-failed=0
-"$bin/pytest" -n "$workers" --dist loadfile "$@" || failed=$?
-wait "$pages"
-exit "$failed"
+"$bin/pytest" -n "$workers" --dist loadfile "$@"

@@ -100,6 +100,7 @@ class Effect:
             what others do is taken of the torque that the model needs, whose noise is less.
         periodic: it is periodic over the position, with `harmonic` cycles per turn.
         position_error: of an effect on positions, the parameter that is its size [rad or m].
+        damps_spring: of a damping across the spring of a joint, the parameter that is its coefficient.
         bends_spring: with it, the transmission is no linear spring.
         makes_elastic: a joint that the model takes for rigid becomes elastic.
         is_constant: a torque that neither the motion nor the command changes; a force sensor may have it too.
@@ -133,6 +134,7 @@ class Effect:
     of_recorded_torque: ClassVar[bool] = False
     periodic: ClassVar[bool] = False
     position_error: ClassVar[str] = ""
+    damps_spring: ClassVar[str] = ""
     bends_spring: ClassVar[bool] = False
     makes_elastic: ClassVar[bool] = False
     is_constant: ClassVar[bool] = False

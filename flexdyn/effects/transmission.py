@@ -68,6 +68,7 @@ class TransmissionDamping(TransmissionEffect):
 
     law = "coefficient*(omega - v)"
     shown = {"coefficient": 2.0}
+    damps_spring = "coefficient"
     linear = ("coefficient",)
     of_velocity = True
 

@@ -55,13 +55,13 @@ def rivals_in_fits(found: Posterior) -> Posterior:
 def _plainest(space: Space, here: Tried, hidden: Flags) -> Tried:
     """A fit, or one with a plainer law in the place of one where that is more likely; it begins at the same numbers."""
     for each in sorted(here.structure):
-        me = space.candidates[each[0]]
+        me, before = space.candidates[each[0]], here
         for c, other in enumerate(space.candidates):
-            if other.kind not in me.law.plainer or other.spot != me.spot or c in dict(here.structure):
+            if other.kind not in me.law.plainer or other.spot != me.spot or c in dict(before.structure):
                 continue
-            structure = here.structure - {each} | {(c, 0)}
-            start = _with_plainer(here.made.hypothesis, me, other) or hypothesis_of(space, structure, whole=True)
-            value, made = fit_if_likely(space, structure, start, here.made, -math.inf)
+            structure = before.structure - {each} | {(c, 0)}
+            start = _with_plainer(before.made.hypothesis, me, other) or hypothesis_of(space, structure, whole=True)
+            value, made = fit_if_likely(space, structure, start, before.made, -math.inf)
             if made is not None:
                 here = max(here, Tried.of(space, structure, value, made, hidden), key=_value)
     return here

@@ -11,7 +11,7 @@ import numpy as np
 from flexdyn.arrays import Flags
 from flexdyn.diagnose.decision.model_effects import effect_of
 from flexdyn.diagnose.hypothesis.fitted import Fit
-from flexdyn.diagnose.inference.elsewhere import squares_left
+from flexdyn.diagnose.inference.elsewhere import squares_shown
 from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.inference.space import Space, Structure
 
@@ -44,10 +44,9 @@ class Tried:
         Where a joint with a computed position begins or ends to stick, all rows contain what its friction does at an
         uncertain instant. They do not tell one law of friction from another.
         """
-        at, work = made.equations, made.space
-        all_ = space.noise.log_likelihood(squares_left(at, work))
-        seen = space.noise.log_likelihood(squares_left(at, work, hidden)) if hidden.any() else all_
-        return cls(structure, value - all_ + seen + _log_between_points(space, structure, made), seen, value, made)
+        whole, shown = (space.noise.log_likelihood(each) for each in squares_shown(made.equations, made.space, hidden))
+        value_shown = value - whole + shown + _log_between_points(space, structure, made)
+        return cls(structure, value_shown, shown, value, made)
 
     def odds_to(self, other: Tried) -> tuple[Structure, frozenset[int], float]:
         """This structure, the candidates of another one, and the odds to that."""
@@ -84,6 +83,6 @@ def _log_between_points(space: Space, structure: Structure, made: Fit) -> float:
         places = [
             first + k for k, (each, name) in enumerate(unknowns) if each is effect and name in candidate.proposal.axes
         ]
-        if all(0.0 < sigma[k] < made.regression.sigma[k] < math.inf for k in places):
+        if places and all(0.0 < sigma[k] < made.regression.sigma[k] < math.inf for k in places):
             total += math.log(candidate.choices) + float(np.log(sigma[places] / made.regression.sigma[places]).sum())
     return total

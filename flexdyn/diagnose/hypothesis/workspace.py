@@ -67,9 +67,10 @@ class Unweighted:
         return cls(equations, number_columns.of_numbers(equations, list(numbers)), unknown, channels, sigma)
 
     def with_offsets_of(self, at: Equations) -> Unweighted:
-        """The same with the slopes by encoders' offsets of other equations: a spring that hardens feels them more.
+        """The same with the slopes of other equations by lags of torques and by encoders' offsets.
 
-        Without springs they act on gravity and inertia alone, which effects hardly change.
+        A spring that hardens feels an offset more. Without springs offsets act on gravity and inertia alone, which
+        effects hardly change.
         """
         first = len(self.channels)
         offsets, states = list(self.offsets[:, :first].T), self.offsets[:, first : first + len(self.states)]

@@ -180,17 +180,27 @@ def log_density_at(space: Space, there: Hypothesis, at: Equations, work: Workspa
     return space.noise.log_likelihood(squares) - 0.5 * (float(np.sum((centre / sigma) ** 2)) + of_offsets)
 
 
-def squares_left(at: Equations, work: Workspace, hidden: Flags | None = None) -> Array:
-    """Sums of the squared rows of each equation, in units of the sensors' noise, but for hidden rows (equations,)."""
-    return _left(at, work, hidden)[0]
+def squares_left(at: Equations, work: Workspace) -> Array:
+    """Sums of the squared rows of each equation, in units of the sensors' noise (equations,)."""
+    return _left(at, work)[0]
 
 
-def _left(at: Equations, work: Workspace, hidden: Flags | None = None) -> tuple[Array, float]:
-    """The same, and the sum of squares of the encoders' offsets over their standard deviations."""
-    weights, many = work.at(at), len(at.kinds)
+def squares_shown(at: Equations, work: Workspace, hidden: Flags) -> tuple[Array, Array]:
+    """The same of all rows, and of those that are not hidden."""
+    weights = work.at(at)
+    white = weights.white(at.residual)
+    return _squares(white, weights, at), _squares(np.where(hidden, 0.0, white), weights, at)
+
+
+def _left(at: Equations, work: Workspace) -> tuple[Array, float]:
+    """The same of all rows, and the sum of squares of the encoders' offsets over their standard deviations."""
+    weights = work.at(at)
     white, of_offsets = weights.without_offsets(at.residual)
-    white = white if hidden is None else np.where(hidden, 0.0, white)
-    squares = (white.reshape(-1, many) ** 2).sum(axis=0)
+    return _squares(white, weights, at), of_offsets
+
+
+def _squares(white: Array, weights: Workspace, at: Equations) -> Array:
+    squares = (white.reshape(-1, len(at.kinds)) ** 2).sum(axis=0)
     if isinstance(weights.whiten, Tempered):
         squares = squares * weights.whiten.error.scale**2 * weights.whiten.error.times
-    return np.asarray(squares), of_offsets
+    return np.asarray(squares)

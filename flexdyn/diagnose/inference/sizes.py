@@ -16,7 +16,7 @@ from flexdyn.diagnose.equations.terms import of_joint, spring_torque
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.lazy import lazy
-from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError, TransmissionDamping, registered
+from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError, registered
 
 LEAST_DAMPING_RATIO = 0.01
 """Damping ratio of a joint's vibration from which a damping of its transmission is an effect [1]: the vibration loses
@@ -86,14 +86,16 @@ class Sizes:
             effect: of which.
             share: of its joint's torque that it makes.
         """
-        if not isinstance(effect, TransmissionDamping):
+        if not isinstance(effect, JointEffect) or not effect.damps_spring:
             return SMALLEST_TORQUE_SHARE
         true = self.equations.true
         j, along = true.index(effect.joint), self.equations.motions[0]
         K, J = float(true.stiffness[j]), float(true.rotor_inertia[j])
         link = float(np.mean(along.M[:, j, j]))
         least_damping = 2.0 * LEAST_DAMPING_RATIO * math.sqrt(K * J * link / max(J + link, 1e-300))
-        return min(SMALLEST_TORQUE_SHARE, share * least_damping / max(effect.coefficient, 1e-300))
+        return min(
+            SMALLEST_TORQUE_SHARE, share * least_damping / max(float(getattr(effect, effect.damps_spring)), 1e-300)
+        )
 
     def carried(self, effect: Effect, scale: float = 1.0) -> float:
         """Share of its joint's torque that a law of a transmission makes there, over `scale` [1].
