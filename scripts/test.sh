@@ -13,11 +13,10 @@ unset PYTHONDONTWRITEBYTECODE
 bin=.venv/bin
 "$bin/ruff" check .
 "$bin/ruff" format --check .
-# Types and pages take one processor each: they are checked side by side.
+# Types take one processor for as long as the pages and the first tests take the other one.
 "$bin/mypy" flexdyn tests scripts benchmarks &
 types=$!
 build_docs
-wait "$types"
 # Tests wait a fifth of their time for processes, clocks and the browser: one worker more than there are processors.
 # Tests of one file stay together, for they share what is dear to make.
 workers=$("$bin/python" -c 'import os; print((os.cpu_count() or 1) + 1)')
@@ -25,3 +24,4 @@ workers=$("$bin/python" -c 'import os; print((os.cpu_count() or 1) + 1)')
 # them set their own number.
 export OPENBLAS_NUM_THREADS=1
 "$bin/pytest" -n "$workers" --dist loadfile "$@"
+wait "$types"

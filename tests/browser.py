@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 Picture = NDArray[np.uint8]
 
-# WebGL is computed on the processor; nothing that a browser does of its own accord; and no name of any host resolves.
+# Nothing that a browser does of its own accord, and no name of any host resolves.
 FLAGS = (
     "--no-sandbox",
     "--disable-quic",
@@ -38,10 +38,12 @@ FLAGS = (
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
 )
+FLAT = ("--disable-gpu",)
+"""For pages without WebGL: they are drawn in two thirds of the time."""
+WEBGL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+"""For scenes in space: computed on the processor."""
 INSIDE = ("data", "blob")
 """Kinds of addresses that are part of the page."""
 WAYS_OUT = """() => [...document.querySelectorAll("*")].flatMap((element) => {
@@ -107,7 +109,13 @@ class OpenPage:
 
 @contextmanager
 def open_page(
-    target: str | Path, *, width: int = 1280, height: int = 720, motion: bool = False, scripts: bool = True
+    target: str | Path,
+    *,
+    width: int = 1280,
+    height: int = 720,
+    motion: bool = False,
+    scripts: bool = True,
+    webgl: bool = False,
 ) -> Iterator[OpenPage]:
     """Open a file or an address; on the way out, assert that the page is sound and asked for nothing else.
 
@@ -117,10 +125,12 @@ def open_page(
         height: of the window [px].
         motion: let the page move by itself; otherwise it is told that the user wants none.
         scripts: let the page's own scripts run; its text is there without them, and to draw pictures takes seconds.
+        webgl: the page shows a scene in space.
     """
     address = target if isinstance(target, str) and "://" in target else Path(target).resolve().as_uri()
     with ExitStack() as ends:
-        browser = _kept[-1].browser() if _kept else ends.enter_context(_browser())
+        flags = WEBGL if webgl else FLAT
+        browser = _kept[-1].browser(flags) if _kept else ends.enter_context(_browser(flags))
         wish = "no-preference" if motion else "reduce"
         # With a context of its own, which ends with it: storage and settings of one page are not those of the next.
         size = {"width": width, "height": height}
@@ -137,17 +147,24 @@ def open_page(
 
 
 class _Kept:
-    """A browser that starts when the first page asks for it, and stays."""
+    """A browser that starts when the first page asks for it, and stays until a page asks for other flags."""
 
-    def __init__(self, ends: ExitStack) -> None:
-        self.ends = ends
-        self.started: Any = None
+    def __init__(self) -> None:
+        self._ends = ExitStack()
+        self._flags: tuple[str, ...] = ()
+        self._started: Any = None
 
-    def browser(self) -> Any:
-        """The one, started by now."""
-        if self.started is None:
-            self.started = self.ends.enter_context(_browser())
-        return self.started
+    def browser(self, flags: tuple[str, ...]) -> Any:
+        """The one with these flags, started by now."""
+        if self._started is None or flags != self._flags:
+            self.close()
+            self._started, self._flags = self._ends.enter_context(_browser(flags)), flags
+        return self._started
+
+    def close(self) -> None:
+        """Stop it."""
+        self._ends.close()
+        self._started = None
 
 
 _kept: list[_Kept] = []
@@ -157,10 +174,11 @@ _kept: list[_Kept] = []
 @pytest.fixture(scope="module")
 def one_browser() -> Iterator[None]:
     """All pages of a test file are opened in one browser: to start it costs more than most of its pages."""
-    with ExitStack() as ends:
-        _kept.append(_Kept(ends))
+    _kept.append(_Kept())
+    try:
         yield
-        _kept.pop()
+    finally:
+        _kept.pop().close()
 
 
 def _complaint(page: OpenPage, entry: Any) -> None:
@@ -174,7 +192,7 @@ def _note(page: OpenPage, address: str) -> None:
 
 
 @contextmanager
-def _browser() -> Iterator[Any]:
+def _browser(flags: tuple[str, ...]) -> Iterator[Any]:
     program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if program is None:
         _absent("no chromium here; Debian, Ubuntu: apt install chromium")
@@ -183,7 +201,7 @@ def _browser() -> Iterator[Any]:
     except ImportError:
         _absent("playwright is not installed: pip install playwright")
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=list(FLAGS))
+        browser = playwright.chromium.launch(executable_path=program, args=[*FLAGS, *flags])
         try:
             yield browser
         finally:

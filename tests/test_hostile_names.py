@@ -68,7 +68,7 @@ def test_pages_show_them_and_run_nothing(run: fd.Run, tmp_path: Path) -> None:
     fd.compare(rec, run).plot(tmp_path / "compared.html")
     fd.play(run, rec, html=tmp_path / "played.html")
     for name in ("run", "compared", "played"):
-        with open_page(tmp_path / f"{name}.html") as page:
+        with open_page(tmp_path / f"{name}.html", webgl=name == "played") as page:
             page.wait_for("document.body.dataset.ready === 'yes' || document.querySelectorAll('.js-line').length > 1")
             page.tab.mouse.move(640, 300)
             page.tab.wait_for_timeout(100)

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.usefixtures("one_browser")
 def test_the_player_offers_to_send_nothing(tmp_path: Path) -> None:
     """The arm's page has no link and no form."""
     fd.play(two_link_run(), html=tmp_path / "page.html")
-    with open_page(tmp_path / "page.html") as page:
+    with open_page(tmp_path / "page.html", webgl=True) as page:
         page.wait_for("document.body.dataset.ready === 'yes'")
         assert page.tab.locator("a[href], form, iframe").count() == 0
 

@@ -17,7 +17,7 @@ from tests.browser import OpenPage, Picture
 from tests.viewer.arms import rigid_run, shapeless, swinging, two_link_run
 
 pytestmark = pytest.mark.usefixtures("one_browser")
-open_page = functools.partial(browser.open_page, width=1000, height=562)  # the processor draws every pixel
+open_page = functools.partial(browser.open_page, width=1000, height=562, webgl=True)  # the processor draws every pixel
 
 
 def ready(page: OpenPage) -> None:
