@@ -40,8 +40,13 @@ def test_the_column_of_a_compliance_is_the_slope_of_the_residual(signals: tuple[
 
 @pytest.mark.parametrize(
     ("signals", "joints"),
-    [(BOTH, (1,)), (MOTOR, (1,)), (BOTH, (0, 1)), (LINK, (0, 1)), (MOTOR, (0, 1))],
-    ids=["both encoders", "motor", "rigid arm, both encoders", "rigid arm, link", "rigid arm, motor"],
+    [
+        pytest.param(BOTH, (1,), id="both encoders"),
+        pytest.param(MOTOR, (1,), id="motor", marks=pytest.mark.slow),
+        pytest.param(BOTH, (0, 1), id="rigid arm, both encoders", marks=pytest.mark.slow),
+        pytest.param(LINK, (0, 1), id="rigid arm, link"),
+        pytest.param(MOTOR, (0, 1), id="rigid arm, motor"),
+    ],
 )
 def test_an_elasticity_is_named_and_its_stiffness_found(signals: tuple[str, ...], joints: tuple[int, ...]) -> None:
     """Nothing else is, at the joints that have it, and well within its own error."""

@@ -13,13 +13,13 @@ from tests.discovery.shortened import diagnosed
 
 CASES = [
     ("pair", 5, 22, "Stribeck friction on a link and a torque limit on the other motor"),
-    ("rigid", 5, 7, "viscous friction"),
     ("none", 4, 0, "nothing"),
     ("outside", 4, 0, "a torque that drifts"),
 ]
 
 
 MORE = [
+    ("rigid", 5, 7, "viscous friction"),
     ("triple", 117001, 4, "presliding and viscous friction of one motor, whose commands come late"),
     ("triple", 118001, 4, "a wrong mass beside a hysteresis spring and a limit"),
     ("hard", 129001, 1, "a hardening spring, whose encoders have offsets of half a step"),

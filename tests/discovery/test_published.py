@@ -118,7 +118,7 @@ def test_only_what_the_motion_shows_matters() -> None:
 
 def test_six_joints_lack_as_much() -> None:
     """At every joint viscous and dry friction; couplings to a neighbour; the model file says how it guesses rotors."""
-    made = make_published_six(1, 0, 3.0, 1.5)
+    made = make_published_six(1, 0, 0.6, 0.4)
     truth, fit = made["truth"], made["recordings"]["fit"]
     joints = list(dict.fromkeys(one["joint"] for one in truth["hidden"]))
     assert len(joints) == 6

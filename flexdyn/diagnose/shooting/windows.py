@@ -125,7 +125,7 @@ class Windows:
         """Number of windows."""
         return len(self.places)
 
-    @property
+    @lazy
     def period(self) -> float:
         """Between two samples [s]."""
         return float(np.median(np.diff(self.t, axis=1)))
