@@ -16,6 +16,8 @@ from flexdyn.simulation.link_side import LinkSide
 
 STEEP_SPRING_ROUNDS, STEEP_SPRING_STEP, STEEPEST_SPRING = 8, 1e-4, 10.0
 """Newton's method: steps, relative difference for slopes, and largest ratio of slopes to the spring's stiffness."""
+LEAST_TRANSMITTED = 0.1
+"""Share of its load that a gear turned by it must transmit for the motor's torque to tell the load [1]."""
 
 
 def made_up(
@@ -31,7 +33,8 @@ def made_up(
 ) -> tuple[Array, Array]:
     """Link and rotor positions; missing ones are computed from the law of the transmission.
 
-    The deflection is the one at which the transmission carries ``tau - J alpha - f_motor`` or ``M a + h + f_link``.
+    The deflection is the one at which the transmission carries ``tau - J alpha - f_motor`` or ``M a + h + f_link``. In
+    f_motor are all laws of the velocity, and those that take a share of this load.
     While a motor rests, its friction is unknown: then it is the second one, with the link as fast as the rotor.
     Other effects of the model, and missing ones, are taken into account to first order.
 
@@ -61,7 +64,8 @@ def made_up(
         omega, alpha, smooth_tau = kernel.apply(theta, 1), kernel.apply(theta, 2), kernel.apply(tau, 0)
     for j in np.flatnonzero(only_motor).tolist():
         rubbing = friction_of(model, j, "motor", smooth_theta[:, j], omega[:, j], t)
-        carried = smooth_tau[:, j] - model.rotor_inertia[j] * alpha[:, j] - rubbing
+        given = smooth_tau[:, j] - model.rotor_inertia[j] * alpha[:, j] - rubbing
+        carried = _carried(model, j, given, smooth_theta[:, j], omega[:, j])
         smooth_q[:, j] -= _wound(model, j, rests.instead(j, total[:, j], carried) if rests else carried)
     if only_link.any():
         total = torques.of(links, smooth_q, v, a)
@@ -73,6 +77,18 @@ def made_up(
 
 def _acting(model: FlexibleJointModel, j: int) -> list[JointEffect]:
     return [e for e in model.all_effects if isinstance(e, JointEffect) and e.joint == model.joint_names[j]]
+
+
+def _carried(model: FlexibleJointModel, j: int, given: Array, theta: Array, omega: Array) -> Array:
+    """Transmission torque (samples,) where friction takes a share of it: ``carried + f(carried) = given``.
+
+    Such friction is proportional to the load, with one share for each direction of power, so that ``carried = given/(1 +
+    share)``. Of a gear that nearly locks itself, the motor's torque tells no load: it is left as it is.
+    """
+    loaded = [each for each in _acting(model, j) if each.takes_load and each.side == "motor"]
+    lost = sum((each.torque(theta, omega, tau=given) for each in loaded), np.zeros_like(given))
+    kept = 1.0 + np.divide(lost, given, out=np.zeros_like(given), where=given != 0.0)
+    return np.where(kept > LEAST_TRANSMITTED, given / np.maximum(kept, LEAST_TRANSMITTED), given)
 
 
 def _wound(model: FlexibleJointModel, j: int, carried: Array) -> Array:

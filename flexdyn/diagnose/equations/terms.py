@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.equations.motion import SmoothedMotion, hidden_links
+from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import (
     CommandDelay,
@@ -168,8 +168,8 @@ class Terms:
     Attributes:
         motor: tau_applied - tau_s - f_motor; for a rigid joint without tau_s.
         link: tau_s - f_link + torques on the link; for a rigid joint without tau_s.
-        tau_s: torque in the transmission; if one of its positions was computed, or if it is rigid, the torque that the
-            link needs. So load-dependent friction is computed from the load and not from the residual.
+        tau_s: torque in the transmission: that of its springs, also at a deflection that was computed from the torque;
+            if it is rigid, the torque that the link needs.
     """
 
     motor: Array
@@ -186,8 +186,7 @@ def joint_terms(model: FlexibleJointModel, effects: Sequence[Effect], motion: Sm
     carried = motion.inverse_dynamics[:, j] - link
     if model.elastic[j]:
         both = spring_torque(model, acting, motion, j)
-        if motion.data.both[j] or hidden_links(model, motion.data)[j]:
-            carried = both[:, 0]
+        carried = both[:, 0]
         motor, link = motor - both[:, 1], link + both[:, 0]
     motor = motor - friction_torque(acting, model, motion, j, "motor", carried)
     return Terms(motor, link, carried)
