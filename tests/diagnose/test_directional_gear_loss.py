@@ -74,6 +74,19 @@ def test_one_share_is_load_dependent_friction() -> None:
     assert values == pytest.approx({"coefficient": 0.2}, abs=0.005)
 
 
+@pytest.mark.parametrize(("driving", "driven"), [(0.2, 0.2), (0.1, 0.45)])
+def test_a_motor_encoder_alone(driving: float, driven: float) -> None:
+    """The computed deflection contains the loss, and the load is the spring's torque: both numbers are right."""
+    record = _pendulum(driving, driven)
+    motor = fd.Recording(record.t, {name: record[name] for name in ("theta.shoulder", "tau.shoulder")})
+    ((effect, values, probability),) = named(fd.diagnose(model_of(PENDULUM), fit=[motor]))
+    plain = driving == driven
+    assert effect == ("load_dependent_friction" if plain else "directional_gear_loss")
+    wanted = {"coefficient": driving} if plain else {"driving": driving, "driven": driven}
+    assert values == pytest.approx(wanted, abs=0.005)
+    assert probability > 0.95
+
+
 def test_a_hoist_that_the_model_takes_for_rigid(tmp_path: Path) -> None:
     """From motor data alone: the plain law is named, as direction is not asked about where no load is measured."""
     t = np.arange(round(8.0 * RATE)) / RATE

@@ -82,7 +82,7 @@ def _acting(model: FlexibleJointModel, j: int) -> list[JointEffect]:
 def _carried(model: FlexibleJointModel, j: int, given: Array, theta: Array, omega: Array) -> Array:
     """Transmission torque (samples,) where friction takes a share of it: ``carried + f(carried) = given``.
 
-    Such friction is proportional to the load, with one share for each direction of power, so that ``carried = given/(1 +
+    Such friction is proportional to the load, with one share for each direction of power. So ``carried = given/(1 +
     share)``. Of a gear that nearly locks itself, the motor's torque tells no load: it is left as it is.
     """
     loaded = [each for each in _acting(model, j) if each.takes_load and each.side == "motor"]
