@@ -23,6 +23,7 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.exact_descent import descended
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
+from flexdyn.diagnose.hypothesis.less_rounded import less_rounded
 from flexdyn.diagnose.inference.apart import genuine, shares
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.elsewhere import squares_left
@@ -153,7 +154,7 @@ def corrected(
     # The linear equations may have promised too much; what is left out displaces the others.
     while kept != (kept := tuple(each for each in kept if stays(space, each.candidate, made, least[each.candidate]))):
         made = _fitted(found, made, {each.candidate for each in kept} | completed(kept))
-    made = _continued(made)
+    made = less_rounded(_continued(made))
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = leaves_noise(made, plain)
     made = made if explained else within(made)

@@ -10,6 +10,7 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.abreast import SILENT, abreast
+from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import corrected
 from flexdyn.diagnose.equations.layout import MOTOR, EquationLayout
@@ -37,9 +38,11 @@ class Equations(EquationLayout):
     Attributes:
         quasi_static: whether an unmeasured link whose motor rests is taken to follow its load without ringing, so that
             the equations of other joints can be used meanwhile.
+        error: known error of the rows (rows,), taken off the residual; None: none is known.
     """
 
     quasi_static: bool = False
+    error: Array | None = None
 
     @lazy
     def links(self) -> LinkSide:
@@ -90,7 +93,8 @@ class Equations(EquationLayout):
     def residual(self) -> Array:
         """The residuals (rows,) [N m or N]: only noise if the model is right."""
         check()
-        return self._rows(self._left)
+        left = self._rows(self._left)
+        return left if self.error is None else left - self.error
 
     def of(self, model: FlexibleJointModel) -> Equations:
         """The same data with another model; motions are shared if the models do not change them."""
@@ -104,6 +108,16 @@ class Equations(EquationLayout):
                 other.__dict__["motions"] = self.motions
                 return other
         other.__dict__["_bases"] = tuple(each.near or each for each in self.motions)
+        return other
+
+    def with_filters(self, filters: Filters) -> Equations:
+        """The same model and data behind other filters."""
+        return replace(self, filters=filters, error=None)
+
+    def less(self, error: Array) -> Equations:
+        """The same without a known error of the rows (rows,)."""
+        other = replace(self, error=error)
+        other.__dict__["rests"], other.__dict__["torques"] = self.rests, self.torques
         return other
 
     def along(self, data: tuple[Measured, ...]) -> Equations:

@@ -1,0 +1,98 @@
+"""The error of the first filter: a law of position that curves within the filter's width is found with its right size."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import flexdyn as fd
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.less_rounded import less_rounded, rounding
+from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.effects import CoulombFriction, Effect, TorqueRipple, ViscousFriction
+from tests.diagnose.slides import MASS, NOISE, RATE, UNITS, model
+from tests.diagnose.workspaces import workspace
+
+AMPLITUDE, HARMONIC, PHASE, DAMPING = 4.0, 40.0, 0.5, 1.5
+RIPPLE = TorqueRipple("lift", amplitude=AMPLITUDE, harmonic=HARMONIC, phase=PHASE)
+
+
+@cache
+def pushed(ripple: float = AMPLITUDE, level: float = 0.0) -> fd.Recording:
+    """A mass on a slide, by Runge and Kutta's method in an eighth of a sample; its encoder and its motor, noisy."""
+    t = np.arange(round(12.0 * RATE)) / RATE
+    force = 30.0 * np.sin(2.1 * t + 0.3) + 22.0 * np.sin(5.3 * t)
+    h, x, v, positions = 1.0 / RATE / 8.0, 0.0, 0.0, []
+
+    def acceleration(given: float, x: float, v: float) -> float:
+        wave = ripple * math.sin(HARMONIC * x + PHASE)
+        return (given + wave - DAMPING * v - level * math.copysign(1.0, v)) / MASS
+
+    for given in force.tolist():
+        positions.append(x)
+        for _ in range(8):
+            a1 = acceleration(given, x, v)
+            a2 = acceleration(given, x + 0.5 * h * v, v + 0.5 * h * a1)
+            a3 = acceleration(given, x + 0.5 * h * v + 0.25 * h * h * a1, v + 0.5 * h * a2)
+            a4 = acceleration(given, x + h * v + 0.5 * h * h * a2, v + h * a3)
+            x += h * (v + h / 6.0 * (a1 + a2 + a3))
+            v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+    draw = np.random.default_rng(1)
+    channels = {"theta.lift": np.array(positions), "tau.lift": force}
+    noisy = {
+        name: exact + size * draw.standard_normal(len(t))
+        for (name, exact), size in zip(channels.items(), NOISE, strict=True)
+    }
+    return fd.Recording(t, noisy, meta={"units": UNITS})
+
+
+def fitted(folder: Path, recording: fd.Recording, *effects: Effect) -> Fit:
+    """A fit that begins at the true effects."""
+    given = model(folder)
+    data = (measured(given, recording),)
+    start = dataclasses.replace(prepared(given, data)[2], effects=effects)
+    space, start, _ = workspace(given, data, start)
+    return fit(start, space)
+
+
+def error(made: Fit) -> tuple[float, float]:
+    """Of the ripple's amplitude [N], and in standard deviations."""
+    ((effect, std),) = [(each, s) for (each, name), s in made.std().items() if name == "amplitude"]
+    off = float(vars(effect)["amplitude"]) - AMPLITUDE
+    return off, off / std
+
+
+def test_a_wave_has_its_right_size(tmp_path: Path) -> None:
+    """A ripple with up to a fifth of a radian within the filter is found too small, and then not."""
+    made = fitted(tmp_path, pushed(), RIPPLE, ViscousFriction("lift", side="motor", coefficient=DAMPING))
+    off, deviations = error(made)
+    assert off < -0.02
+    assert deviations < -4.0
+    better = less_rounded(made)
+    assert better.reached < 0.9 * made.reached
+    off, deviations = error(better)
+    assert abs(off) < 0.005
+    assert abs(deviations) < 3.0
+
+
+def test_linear_laws_have_no_such_error(tmp_path: Path) -> None:
+    """What noise and rounding make of it is far below the noise of the rows."""
+    made = fitted(tmp_path, pushed(0.0), ViscousFriction("lift", side="motor", coefficient=DAMPING))
+    rows = made.space.whiten(rounding(made.equations, made))
+    assert np.abs(rows).max() < 0.02
+
+
+def test_rows_near_a_reversal_are_left_as_they_are(tmp_path: Path) -> None:
+    """Dry friction jumps there: the wider filter sees more of the jump, which is no error of the narrow one."""
+    dry = CoulombFriction("lift", side="motor", level=5.0)
+    made = fitted(tmp_path, pushed(0.0, 5.0), dry, ViscousFriction("lift", side="motor", coefficient=DAMPING))
+    rows = made.space.whiten(rounding(made.equations, made))
+    assert np.abs(rows).max() < 0.5
+    assert less_rounded(made).hypothesis.effects[0].values == pytest.approx((5.0,), abs=0.02)
