@@ -1,4 +1,4 @@
-"""The error of the first filter: a law of position that curves within the filter's width is found with its right size."""
+"""The error of the first filter: a law that curves within its width is found with its right size."""
 
 from __future__ import annotations
 
