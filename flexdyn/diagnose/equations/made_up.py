@@ -65,7 +65,7 @@ def made_up(
     for j in np.flatnonzero(only_motor).tolist():
         rubbing = friction_of(model, j, "motor", smooth_theta[:, j], omega[:, j], t)
         given = smooth_tau[:, j] - model.rotor_inertia[j] * alpha[:, j] - rubbing
-        carried = _carried(model, j, given, smooth_theta[:, j], omega[:, j])
+        carried = _carried(model, j, given, smooth_theta[:, j], omega[:, j], t)
         smooth_q[:, j] -= _wound(model, j, rests.instead(j, total[:, j], carried) if rests else carried)
     if only_link.any():
         total = torques.of(links, smooth_q, v, a)
@@ -79,14 +79,14 @@ def _acting(model: FlexibleJointModel, j: int) -> list[JointEffect]:
     return [e for e in model.all_effects if isinstance(e, JointEffect) and e.joint == model.joint_names[j]]
 
 
-def _carried(model: FlexibleJointModel, j: int, given: Array, theta: Array, omega: Array) -> Array:
+def _carried(model: FlexibleJointModel, j: int, given: Array, theta: Array, omega: Array, t: Array) -> Array:
     """Transmission torque (samples,) where friction takes a share of it: ``carried + f(carried) = given``.
 
     Such friction is proportional to the load, with one share for each direction of power. So ``carried = given/(1 +
     share)``. Of a gear that nearly locks itself, the motor's torque tells no load: it is left as it is.
     """
     loaded = [each for each in _acting(model, j) if each.takes_load and each.side == "motor"]
-    lost = sum((each.torque(theta, omega, tau=given) for each in loaded), np.zeros_like(given))
+    lost = sum((torque_of(each, theta, omega, t=t, tau=given) for each in loaded), np.zeros_like(given))
     kept = 1.0 + np.divide(lost, given, out=np.zeros_like(given), where=given != 0.0)
     return np.where(kept > LEAST_TRANSMITTED, given / np.maximum(kept, LEAST_TRANSMITTED), given)
 
