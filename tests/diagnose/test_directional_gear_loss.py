@@ -6,6 +6,7 @@ rigid, in closed form from sample to sample.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 
@@ -14,9 +15,13 @@ import pytest
 from numpy.typing import NDArray
 
 import flexdyn as fd
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.effects import DirectionalGearLoss
 from tests.diagnose.slides import named
 from tests.diagnose.test_load_dependent import GRAVITY, MASS, RATE, UNITS, lifted
 from tests.diagnose.test_load_dependent import model as hoist
+from tests.diagnose.workspaces import workspace
 from tests.effects.arms import model_of
 from tests.effects.reference import Arm
 
@@ -74,12 +79,32 @@ def test_one_share_is_load_dependent_friction() -> None:
     assert values == pytest.approx({"coefficient": 0.2}, abs=0.005)
 
 
-@pytest.mark.parametrize(("driving", "driven"), [(0.2, 0.2), (0.1, 0.45)])
-def test_a_motor_encoder_alone(driving: float, driven: float) -> None:
-    """The computed deflection contains the loss, and the load is the spring's torque: both numbers are right."""
+def _seen_by_its_motor(driving: float, driven: float) -> fd.Recording:
     record = _pendulum(driving, driven)
-    motor = fd.Recording(record.t, {name: record[name] for name in ("theta.shoulder", "tau.shoulder")})
-    ((effect, values, probability),) = named(fd.diagnose(model_of(PENDULUM), fit=[motor]))
+    return fd.Recording(record.t, {name: record[name] for name in ("theta.shoulder", "tau.shoulder")})
+
+
+@pytest.mark.parametrize(("driving", "driven"), [(0.2, 0.2), (0.1, 0.45), (0.3, 0.05)])
+def test_a_motor_encoder_alone(driving: float, driven: float) -> None:
+    """The computed deflection contains the loss, and the load is the spring's torque: the right model leaves little."""
+    given = model_of(PENDULUM)
+    data = (measured(given, _seen_by_its_motor(driving, driven)),)
+    loss = DirectionalGearLoss("shoulder", driving=driving, driven=driven)
+    space, start, _ = workspace(given, data, dataclasses.replace(prepared(given, data)[2], effects=(loss,)))
+    left, without = (
+        space.equations.of(each.model()).residual for each in (start, dataclasses.replace(start, effects=()))
+    )
+    used = ~space.whiten.mask
+    assert np.sqrt(np.mean(left[used] ** 2)) < 0.01 * WEIGHT
+    assert np.sqrt(np.mean(without[used] ** 2)) > 0.1 * WEIGHT
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("driving", "driven"), [(0.2, 0.2), (0.1, 0.45)])
+def test_it_is_named_with_a_motor_encoder_alone(driving: float, driven: float) -> None:
+    """Both numbers are right, and one share is told by the plainer law."""
+    diagnosis = fd.diagnose(model_of(PENDULUM), fit=[_seen_by_its_motor(driving, driven)])
+    ((effect, values, probability),) = named(diagnosis)
     plain = driving == driven
     assert effect == ("load_dependent_friction" if plain else "directional_gear_loss")
     wanted = {"coefficient": driving} if plain else {"driving": driving, "driven": driven}

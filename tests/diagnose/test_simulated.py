@@ -114,6 +114,7 @@ def _compared(folder: Path, offset: float, level: float) -> tuple[Posterior, Hyp
     return posterior(bare, noise, start), start, Windows.of(model, [recording], LEVELS.noise(1))
 
 
+@pytest.mark.slow
 def test_windows_bring_back_what_the_search_had_lost(tmp_path: Path) -> None:
     """A posterior that holds nothing: the friction comes from windows, which then decide alone."""
     found, start, windows = _compared(tmp_path, 0.0, LEVEL)
