@@ -17,7 +17,7 @@ from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.less_rounded import less_rounded, rounding
 from flexdyn.diagnose.hypothesis.workspace import prepared
 from flexdyn.effects import CoulombFriction, Effect, TorqueRipple, ViscousFriction
-from tests.diagnose.slides import MASS, NOISE, RATE, UNITS, model
+from tests.diagnose.slides import RATE, model, pushed
 from tests.diagnose.workspaces import workspace
 
 AMPLITUDE, HARMONIC, PHASE, DAMPING = 4.0, 40.0, 0.5, 1.5
@@ -25,32 +25,15 @@ RIPPLE = TorqueRipple("lift", amplitude=AMPLITUDE, harmonic=HARMONIC, phase=PHAS
 
 
 @cache
-def pushed(ripple: float = AMPLITUDE, level: float = 0.0) -> fd.Recording:
-    """A mass on a slide, by Runge and Kutta's method in an eighth of a sample; its encoder and its motor, noisy."""
+def slid(ripple: float = AMPLITUDE, level: float = 0.0) -> fd.Recording:
+    """A mass on a slide with a ripple of the motor, damping, and dry friction."""
     t = np.arange(round(12.0 * RATE)) / RATE
-    force = 30.0 * np.sin(2.1 * t + 0.3) + 22.0 * np.sin(5.3 * t)
-    h, x, v, positions = 1.0 / RATE / 8.0, 0.0, 0.0, []
 
-    def acceleration(given: float, x: float, v: float) -> float:
+    def acting(asked: float, x: float, v: float) -> float:
         wave = ripple * math.sin(HARMONIC * x + PHASE)
-        return (given + wave - DAMPING * v - level * math.copysign(1.0, v)) / MASS
+        return asked + wave - DAMPING * v - level * math.copysign(1.0, v)
 
-    for given in force.tolist():
-        positions.append(x)
-        for _ in range(8):
-            a1 = acceleration(given, x, v)
-            a2 = acceleration(given, x + 0.5 * h * v, v + 0.5 * h * a1)
-            a3 = acceleration(given, x + 0.5 * h * v + 0.25 * h * h * a1, v + 0.5 * h * a2)
-            a4 = acceleration(given, x + h * v + 0.5 * h * h * a2, v + h * a3)
-            x += h * (v + h / 6.0 * (a1 + a2 + a3))
-            v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
-    draw = np.random.default_rng(1)
-    channels = {"theta.lift": np.array(positions), "tau.lift": force}
-    noisy = {
-        name: exact + size * draw.standard_normal(len(t))
-        for (name, exact), size in zip(channels.items(), NOISE, strict=True)
-    }
-    return fd.Recording(t, noisy, meta={"units": UNITS})
+    return pushed(t, 30.0 * np.sin(2.1 * t + 0.3) + 22.0 * np.sin(5.3 * t), acting)
 
 
 def fitted(folder: Path, recording: fd.Recording, *effects: Effect) -> Fit:
@@ -70,8 +53,8 @@ def error(made: Fit) -> tuple[float, float]:
 
 
 def test_a_wave_has_its_right_size(tmp_path: Path) -> None:
-    """A ripple with up to a fifth of a radian within the filter is found too small, and then not."""
-    made = fitted(tmp_path, pushed(), RIPPLE, ViscousFriction("lift", side="motor", coefficient=DAMPING))
+    """A ripple that turns within the width of the filter is found too small, and then not."""
+    made = fitted(tmp_path, slid(), RIPPLE, ViscousFriction("lift", side="motor", coefficient=DAMPING))
     off, deviations = error(made)
     assert off < -0.02
     assert deviations < -4.0
@@ -84,7 +67,7 @@ def test_a_wave_has_its_right_size(tmp_path: Path) -> None:
 
 def test_linear_laws_have_no_such_error(tmp_path: Path) -> None:
     """What noise and rounding make of it is far below the noise of the rows."""
-    made = fitted(tmp_path, pushed(0.0), ViscousFriction("lift", side="motor", coefficient=DAMPING))
+    made = fitted(tmp_path, slid(0.0), ViscousFriction("lift", side="motor", coefficient=DAMPING))
     rows = made.space.whiten(rounding(made.equations, made))
     assert np.abs(rows).max() < 0.02
 
@@ -92,7 +75,7 @@ def test_linear_laws_have_no_such_error(tmp_path: Path) -> None:
 def test_rows_near_a_reversal_are_left_as_they_are(tmp_path: Path) -> None:
     """Dry friction jumps there: the wider filter sees more of the jump, which is no error of the narrow one."""
     dry = CoulombFriction("lift", side="motor", level=5.0)
-    made = fitted(tmp_path, pushed(0.0, 5.0), dry, ViscousFriction("lift", side="motor", coefficient=DAMPING))
+    made = fitted(tmp_path, slid(0.0, 5.0), dry, ViscousFriction("lift", side="motor", coefficient=DAMPING))
     rows = made.space.whiten(rounding(made.equations, made))
     assert np.abs(rows).max() < 0.5
     assert less_rounded(made).hypothesis.effects[0].values == pytest.approx((5.0,), abs=0.02)

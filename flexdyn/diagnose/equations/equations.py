@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -99,8 +100,7 @@ class Equations(EquationLayout):
     def of(self, model: FlexibleJointModel) -> Equations:
         """The same data with another model; motions are shared if the models do not change them."""
         own = self.true.stiffness if self.stiffness is None else self.stiffness
-        other = replace(self, model=model, stiffness=own)
-        other.__dict__["rests"], other.__dict__["torques"] = self.rests, self.torques
+        other = self._sharing(model=model, stiffness=own)
         if not (self.made_up.any() or self.replayed.any()) and same_signals(self.model, model):
             other.__dict__["smoothed"] = self.smoothed
             if same_links(self.model, model):
@@ -116,13 +116,15 @@ class Equations(EquationLayout):
 
     def less(self, error: Array) -> Equations:
         """The same without a known error of the rows (rows,)."""
-        other = replace(self, error=error)
-        other.__dict__["rests"], other.__dict__["torques"] = self.rests, self.torques
-        return other
+        return self._sharing(error=error)
 
     def along(self, data: tuple[Measured, ...]) -> Equations:
         """The same model along other recordings of the same motion; motors rest where they did."""
-        other = replace(self, data=data)
+        return self._sharing(data=data)
+
+    def _sharing(self, **changes: Any) -> Equations:
+        """The same with some changes; motors rest where they did, and torques that are known are kept."""
+        other = replace(self, **changes)
         other.__dict__["rests"], other.__dict__["torques"] = self.rests, self.torques
         return other
 
