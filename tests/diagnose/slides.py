@@ -37,25 +37,29 @@ def recording(
     """
     t = np.arange(round(seconds * RATE)) / RATE
     force = 30.0 * np.sin(2.1 * t + 0.3) + 22.0 * np.sin(5.3 * t) + 12.0 * np.sin(11.0 * t + 1.0)
-    return pushed(t, force, lambda asked, _x, v: motor(asked) - friction(v))
+    given = np.array([motor(asked) for asked in force.tolist()])
+    return pushed(t, force, lambda given, _x, v: given - friction(v), given)
 
 
-def pushed(t: Array, force: Array, acting: Callable[[float, float, float], float]) -> fd.Recording:
+def pushed(
+    t: Array, force: Array, acting: Callable[[float, float, float], float], given: Array | None = None
+) -> fd.Recording:
     """What the encoder and the motor's driver record, both noisy, by Runge and Kutta's method in an eighth of a sample.
 
     Args:
         t: times of the samples (samples,) [s].
         force: asked for, held from sample to sample (samples,) [N].
-        acting: force on the mass at a force asked for, a position and a velocity [N].
+        acting: force on the mass at a force of the motor, a position and a velocity [N].
+        given: force of the motor, if it is not the one asked for (samples,) [N].
     """
     h, x, v, positions = 1.0 / RATE / 8.0, 0.0, 0.0, []
-    for asked in force.tolist():
+    for motor in (force if given is None else given).tolist():
         positions.append(x)
         for _ in range(8):
-            k1 = acting(asked, x, v) / MASS
-            k2 = acting(asked, x + 0.5 * h * v, v + 0.5 * h * k1) / MASS
-            k3 = acting(asked, x + 0.5 * h * v + 0.25 * h * h * k1, v + 0.5 * h * k2) / MASS
-            k4 = acting(asked, x + h * v + 0.5 * h * h * k2, v + h * k3) / MASS
+            k1 = acting(motor, x, v) / MASS
+            k2 = acting(motor, x + 0.5 * h * v, v + 0.5 * h * k1) / MASS
+            k3 = acting(motor, x + 0.5 * h * v + 0.25 * h * h * k1, v + 0.5 * h * k2) / MASS
+            k4 = acting(motor, x + h * v + 0.5 * h * h * k2, v + h * k3) / MASS
             x += h * (v + h / 6.0 * (k1 + k2 + k3))
             v += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
     draw = np.random.default_rng(1)
