@@ -57,14 +57,6 @@ void mass_matrix(const LinkDynamics& links, Array q, OutArray M) {
   for (std::size_t i = 0; i < rows; ++i) links.mass_matrix(*work, q.data() + i * n, M.data() + i * n * n);
 }
 
-void least_inertia(const LinkDynamics& links, Array q, OutArray least) {
-  const std::size_t rows = rows_of(links, q), n = links.size();
-  require(least.size() == rows, "one number a row");
-  nb::gil_scoped_release release;
-  auto work = links.workspace();
-  for (std::size_t i = 0; i < rows; ++i) least.data()[i] = links.least_inertia(*work, q.data() + i * n);
-}
-
 void bias(const LinkDynamics& links, Array q, Array v, OutArray h) {
   const std::size_t rows = rows_of(links, q), n = links.size();
   require(v.size() == q.size() && h.size() == q.size(), "q, v, h differ in size");
@@ -115,7 +107,6 @@ void bind_links(nb::module_& m) {
       .def_prop_ro("n", &LinkDynamics::size)
       .def("acceleration", &acceleration, nb::arg("q"), nb::arg("v"), nb::arg("tau"), nb::arg("out"))
       .def("mass_matrix", &mass_matrix, nb::arg("q"), nb::arg("out"))
-      .def("least_inertia", &least_inertia, nb::arg("q"), nb::arg("out"))
       .def("bias", &bias, nb::arg("q"), nb::arg("v"), nb::arg("out"))
       .def("inverse_dynamics", &inverse_dynamics, nb::arg("q"), nb::arg("v"), nb::arg("a"), nb::arg("out"))
       .def("inertial_torques", &inertial_torques, nb::arg("q"), nb::arg("v"), nb::arg("a"), nb::arg("more"),

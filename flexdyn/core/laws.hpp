@@ -127,6 +127,10 @@ inline const LawName* row_of(LawKind kind) {
 }
 
 inline Corner corner_of(LawKind kind) { return row_of(kind) == nullptr ? Corner::none : row_of(kind)->corner; }
+// Dry friction in proportion to a load, which is nothing at no load.
+inline bool is_of_load(LawKind kind) {
+  return corner_of(kind) == Corner::at_zero && row_of(kind)->stage == Stage::dry;
+}
 inline bool has_state(LawKind kind) { return row_of(kind) != nullptr && row_of(kind)->has_state; }
 
 // What a law sees at one instant: position and velocity of its side (transmission: delta and its rate).

@@ -63,8 +63,6 @@ class LinkDynamics {
                          double* reaction) const;
   // M(q), (n, n) row-major, armature of rigid joints included.
   void mass_matrix(Workspace& w, const double* q, double* M) const;
-  // Least eigenvalue of M(q) scaled to a diagonal of ones: 0 where it is singular.
-  double least_inertia(Workspace& w, const double* q) const;
   // M(q) a + h(q, v), armature of rigid joints included.
   void inverse_dynamics(Workspace& w, const double* q, const double* v, const double* a, double* tau) const;
   // Of every joint of the tree: mass, first moment (3), inertia about the joint's origin (xx, xy, yy, xz, yz, zz) and

@@ -32,6 +32,14 @@ struct LinkDynamics::Impl {
     if (mimics) tree.noalias() = gain * Map<const VectorXd>(v, gain.cols());
     else tree = Map<const VectorXd>(v, gain.cols());
   }
+  // A row-major matrix of the whole tree as that of the independent joints, gain^T matrix gain. (Eigen's blocked
+  // products would take longer to compile, and no less time for so few joints.)
+  void project(const double* matrix, double* result) const {
+    const Map<const RowMatrix> tree(matrix, gain.rows(), gain.rows());
+    Map<RowMatrix> independent(result, gain.cols(), gain.cols());
+    if (mimics) independent = gain.transpose().lazyProduct(tree.lazyProduct(gain).eval());
+    else independent = tree;
+  }
 
   std::vector<char> prismatic;
   std::vector<Vector3d> axis;  // in the joint's own axes

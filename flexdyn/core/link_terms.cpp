@@ -1,8 +1,6 @@
 // The terms of the link side one by one: M, h, their derivatives, energies, wrenches, rotors that ride on links.
 #include <algorithm>
 
-#include <Eigen/Eigenvalues>
-
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/energy.hpp>
 #include <pinocchio/algorithm/kinematics.hpp>
@@ -66,17 +64,7 @@ void LinkDynamics::mass_matrix(Workspace& w, const double* q, double* M) const {
   impl_->expand_position(q, w.q);
   pin::crba(impl_->model, w.data, w.q, pin::Convention::WORLD);
   w.data.M.triangularView<Eigen::StrictlyLower>() = w.data.M.transpose().triangularView<Eigen::StrictlyLower>();
-  if (impl_->mimics) Map<RowMatrix>(M, n_, n_) = impl_->gain.transpose() * w.data.M * impl_->gain;
-  else Map<RowMatrix>(M, n_, n_) = w.data.M;
-}
-
-double LinkDynamics::least_inertia(Workspace& w, const double* q) const {
-  mass_matrix(w, q, w.M.data());
-  const VectorXd diagonal = w.M.diagonal();
-  if (!(diagonal.minCoeff() > 0.0)) return 0.0;
-  const VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
-  const MatrixXd scaled = scale.asDiagonal() * w.M * scale.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  impl_->project(w.data.M.data(), M);  // symmetric, so that its order does not matter
 }
 
 void LinkDynamics::bias(Workspace& w, const double* q, const double* v, double* h) const {
@@ -123,19 +111,13 @@ void LinkDynamics::inertial_torques(Workspace& w, const double* q, const double*
 
 void LinkDynamics::inverse_derivatives(Workspace& w, const double* q, const double* v, const double* a, double* by_q,
                                        double* by_v) const {
-  const MatrixXd& gain = impl_->gain;
   impl_->expand_position(q, w.q);
   impl_->expand_rate(v, w.v);
   impl_->expand_rate(a, w.a);
   pin::computeRNEADerivatives(impl_->model, w.data, w.q, w.v, w.a);
-  Map<RowMatrix> of_q(by_q, n_, n_), of_v(by_v, n_, n_);
-  if (impl_->mimics) {
-    of_q = gain.transpose() * w.data.dtau_dq * gain;
-    of_v = gain.transpose() * w.data.dtau_dv * gain;
-  } else {
-    of_q = w.data.dtau_dq;
-    of_v = w.data.dtau_dv;
-  }
+  static_assert(decltype(w.data.dtau_dq)::IsRowMajor && decltype(w.data.dtau_dv)::IsRowMajor);
+  impl_->project(w.data.dtau_dq.data(), by_q);
+  impl_->project(w.data.dtau_dv.data(), by_v);
 }
 
 void LinkDynamics::rotor_coupling(Workspace& w, const double* q, const double* v, const double* spin,

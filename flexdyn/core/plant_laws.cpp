@@ -170,8 +170,7 @@ bool Plant::at_zero_corner(const Workspace& w, int which, double t, const double
 
 // An unloaded gear at rest must not change sign with every last bit.
 double Plant::corner_rounding(const Law& law, const double* x) const {
-  const bool of_load = law.kind == LawKind::load_dependent_friction || law.kind == LawKind::directional_gear_loss;
-  return of_load ? load_rounding(law.joint, x) : 0.0;
+  return is_of_load(law.kind) ? load_rounding(law.joint, x) : 0.0;
 }
 
 double Plant::load_rounding(int joint, const double* x) const {

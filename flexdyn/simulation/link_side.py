@@ -161,7 +161,15 @@ def _arrays(tree: Tree) -> dict[str, Array]:
 
 
 def moves_inertia(links: _core.LinkDynamics, q: Array) -> Flags:
-    """Whether every joint moves an inertia at positions q (rows, n), so that M(q) is regular (rows,)."""
-    least = np.empty(len(q))
-    links.least_inertia(q, least)
-    return np.asarray(least > 1e-13)
+    """Whether every joint moves an inertia at positions q (rows, n), so that M(q) is regular (rows,).
+
+    The least eigenvalue of M(q), scaled to a diagonal of ones, is then above rounding.
+    """
+    rows, n = q.shape
+    M = np.empty((rows, n, n))
+    links.mass_matrix(q, M)
+    diagonal = np.diagonal(M, axis1=1, axis2=2)
+    regular = np.asarray((diagonal > 0.0).all(axis=1))
+    scale = 1.0 / np.sqrt(diagonal[regular])
+    regular[regular] = np.linalg.eigvalsh(M[regular] * scale[:, :, None] * scale[:, None, :])[:, 0] > 1e-13
+    return regular
