@@ -205,6 +205,14 @@ def not_converged() -> Diagnosis:
     )
 
 
+def untested() -> Diagnosis:
+    """A lone short recording: one name, and no test data."""
+    return _diagnosis(
+        "untested", findings=(Finding(COULOMB, 0.998, 55.0, math.nan),), gap_fit=Gap(9.1, 8.2, 1.0, 1.0),
+        data=sources()[:1],
+    )  # fmt: skip
+
+
 def interrupted() -> Diagnosis:
     """Ctrl-C in the search: one name stands, one does not."""
     return _diagnosis(
@@ -227,7 +235,7 @@ def interrupted_early() -> Diagnosis:
     )
 
 
-CASES = (explained, no_discrepancy, unexplained, partly, not_converged, interrupted, interrupted_early)
+CASES = (explained, no_discrepancy, unexplained, partly, not_converged, untested, interrupted, interrupted_early)
 
 
 def robot() -> Diagnosis:

@@ -93,6 +93,14 @@ def beyond_convergence(document: Document, told: str | None) -> None:
     named(document, told or "")
 
 
+def untested(document: Document, told: str | None) -> None:
+    """Nothing was measured on test data; the findings that are told."""
+    assert document["verdict"] == "untested"
+    assert {each["role"] for each in document["data"]} == {"fit"}
+    assert bool(told) == bool(document["findings"])
+    named(document, told or "")
+
+
 def interrupted(document: Document, stage: str | None) -> None:
     """The stage at which it was."""
     assert document["verdict"] == "interrupted"

@@ -104,10 +104,33 @@ def test_short_recordings_add_up(tmp_path: Path) -> None:
     assert values == pytest.approx({"coefficient": DRAG}, rel=0.01)
 
 
-def test_one_recording_that_is_too_short_says_what_would_do() -> None:
-    """2 s without test data leave 1 s to fit."""
-    with pytest.raises(InputError, match=r"hardly anything moves.*1\.5 s of motion to fit.*add up"):
-        fd.diagnose(stiff_arm(), swing(6.0, 200.0).trim(0.0, 2.0), progress=False)
+@pytest.mark.parametrize(
+    ("seconds", "match"), [(0.4, r"t: the recording is too short.*'0\.398 s'"), (1.0, r"t: too little motion.*'1 s of")]
+)
+def test_one_recording_that_is_too_short_says_what_would_do(tmp_path: Path, seconds: float, match: str) -> None:
+    """Less than three windows of motion, in a line."""
+    with pytest.raises(InputError, match=match + r".*at least 1\.5 s of motion to fit.*add up"):
+        fd.diagnose(slides.model(tmp_path), rubbed().trim(0.0, seconds - 0.002), progress=False)
+
+
+def test_a_short_recording_alone_is_fitted_as_a_whole(tmp_path: Path) -> None:
+    """1.8 s: what is missing is found, and the verdict is that nothing is left for a test."""
+    found = fd.diagnose(slides.model(tmp_path), rubbed().trim(0.0, 1.798), progress=False)
+    assert (found.verdict, [each.role for each in found.data]) == ("untested", ["fit"])
+    ((effect, values, _),) = slides.named(found)
+    assert effect == "viscous_friction"
+    assert values == pytest.approx({"coefficient": DRAG}, rel=0.01)
+    assert (found.gap_test, found.errors, found.shares) == (None, {}, None)
+    assert found.gap_fit is not None
+    assert found.gap_fit.after < 1.3
+
+
+def test_a_slow_recording_is_cut_only_if_enough_is_left_to_fit(tmp_path: Path) -> None:
+    """At 50 Hz the least test data of 100 samples, or half, leave 1.3 s of 2.6 s."""
+    model, long = slides.model(tmp_path), rubbed()
+    slow = fd.Recording(long.t[::10], {name: x[::10] for name, x in long.items()}, meta=long.meta)
+    assert [len(each) for each in parts(model, [slow.trim(0.0, 2.6)])] == [1, 0]
+    assert [len(each) for each in parts(model, [slow.trim(0.0, 4.0)])] == [1, 1]
 
 
 def test_fast_recordings_are_decimated_and_it_is_said() -> None:

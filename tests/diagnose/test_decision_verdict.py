@@ -15,9 +15,11 @@ from flexdyn.diagnose.report.measures import Left
         (True, True, "explained"),
         (True, False, "partly_explained"),
         (False, False, "unexplained"),
+        (True, None, "untested"),
+        (False, None, "untested"),
     ],
 )
-def test_the_verdict_says_what_is_named_and_what_is_left(*, named: bool, noise: bool, said: str) -> None:
+def test_the_verdict_says_what_is_named_and_what_is_left(*, named: bool, noise: bool | None, said: str) -> None:
     """And nothing of it where the fit had not converged."""
     assert verdict(named=named, noise=noise, converged=True) == said
     assert verdict(named=named, noise=noise, converged=False) == "not_converged"

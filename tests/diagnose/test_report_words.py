@@ -58,6 +58,8 @@ SENTENCES = {
     " and omega.",
     "not_converged": "These estimates stopped before they had converged: stiffness of elbow and damping of elbow."
     " The report claims only what has converged: a payload at frame tip (probability 0.998).",
+    "untested": "There are no test data: too little moves to keep a part of the recording for them. On the data of the"
+    " fit, the disagreement is explained by Coulomb friction on the motor side of elbow (probability 0.998).",
     "interrupted": "This diagnosis was interrupted while simulating windows, stage 3 of 5, before it was finished."
     " Established by then: a payload at frame tip (probability 0.99). The test data had not been opened.",
     "interrupted_early": "This diagnosis was interrupted while comparing structures, pass 2 of at most 5, before it was"
@@ -67,7 +69,7 @@ SENTENCES = {
 
 
 def test_every_verdict_has_its_sentence() -> None:
-    """All six, with the names and numbers of the diagnosis in them."""
+    """All seven, with the names and numbers of the diagnosis in them."""
     made = {each.__name__: each() for each in cases.CASES}
     assert {diagnosis.verdict for diagnosis in made.values()} == set(VERDICTS)
     assert {name: verdict_sentence(diagnosis) for name, diagnosis in made.items()} == SENTENCES
@@ -81,6 +83,8 @@ def test_verdicts_with_nothing_to_name() -> None:
     assert verdict_sentence(stopped).startswith("This estimate stopped before it had converged: level of elbow.")
     assert verdict_sentence(stopped).endswith("no effect is established.")
     assert verdict_sentence(dataclasses.replace(stopped, stopped=())).startswith("An estimate stopped")
+    untested = dataclasses.replace(cases.untested(), findings=())
+    assert verdict_sentence(untested).endswith("On the data of the fit, no effect is established.")
     left = dataclasses.replace(cases.partly(), left=())
     assert verdict_sentence(left).endswith("Something is left that no established effect accounts for.")
     unnamed = dataclasses.replace(cases.unexplained(), considered=(), where=())

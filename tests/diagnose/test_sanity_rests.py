@@ -24,7 +24,7 @@ def _model() -> fd.FlexibleJointModel:
 def test_one_second_is_too_short(model: fd.FlexibleJointModel) -> None:
     """Three windows to fit do not fit in, whatever moves in it; less than a window tells nothing at all."""
     for keep, match in (
-        (250, r"hardly anything moves in the recording, got '\d(\.\d+)? s of motion'; at least 1\.5 s of motion"),
+        (250, r"too little motion in the recording, got '\d(\.\d+)? s of motion'; at least 1\.5 s of motion"),
         (100, r"the recording is too short, got '0\.396 s'; at least 1\.5 s of motion to fit"),
     ):
         with pytest.raises(fd.errors.InputError, match=rf"log\.csv: t: {match}"):
@@ -40,9 +40,7 @@ def test_a_long_rest_is_too_short(model: fd.FlexibleJointModel) -> None:
             for name, x in channels.items()
         }
 
-    with pytest.raises(
-        fd.errors.InputError, match=r"hardly anything moves in the recording, got '1(\.\d)? s of motion'"
-    ):
+    with pytest.raises(fd.errors.InputError, match=r"too little motion in the recording, got '1(\.\d)? s of motion'"):
         checked(model, resting)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from flexdyn.diagnose.decision.calibrated import calibrated
 from flexdyn.diagnose.decision.corrected import Corrected, corrected, leaves_noise
 from flexdyn.diagnose.decision.drawn import drawn, trajectories
-from flexdyn.diagnose.decision.figures import OnFit, on_fit, on_test
+from flexdyn.diagnose.decision.figures import OnFit, OnTest, on_fit, on_test
 from flexdyn.diagnose.decision.findings import calibration, findings, reported_names, with_experiments
 from flexdyn.diagnose.decision.forces import are_prescribed, loops
 from flexdyn.diagnose.decision.masses import Masses
@@ -56,31 +56,36 @@ def concluded(plain: Workspace, start: Hypothesis, compared: Posterior, found: C
         again = corrected(compared, plain, share, rejected=rejected)
         found, named, first = _on_fit(plain, made, again, parts[0], rejected=rejected)
     tell("opening the test data", 0.85)
-    last = on_test(plain, first, found, named, parts[1])
+    last = on_test(plain, first, found, named, parts[1]) if parts[1] else None
     converged = found.converged and first.stalled is None
-    said = verdict(named=bool(named), noise=is_noise(last.shots, last.left), converged=converged)
-    answer = known(found, named, compared.noise, parts[0], last.gains)
+    only_noise = None if last is None else is_noise(last.shots, last.left)
+    said = verdict(named=bool(named), noise=only_noise, converged=converged)
+    answer = known(found, named, compared.noise, parts[0], {} if last is None else last.gains)
+    if last is not None:
+        answer = _tested(answer, last, found.joints)
     tell("designing experiments", 0.9)
+    drawn_data = (first,) if last is None else (last, first)
     return dataclasses.replace(
         answer,
         findings=with_experiments(answer.findings, found, named),
         verdict=said,
         gap_fit=first.gap,
-        gap_test=last.gap,
-        errors=last.errors,
         where=() if said == "no_discrepancy" else first.where,
-        left=last.left,
-        data=(*answer.data, *(each.source(found.joints, last.rows.noise) for each in parts[1])),
         notes=notes(compared, found),
         residuals=drawn(first.rows, found, named),
         fit=statistics(found.fitted),
-        shares=last.shares,
-        trajectories=(*trajectories(last), *trajectories(first)),
-        loops=tuple(
-            loop for on in (last, first) if are_prescribed(on.parts) for loop in loops(on.rows.models, on.parts)
-        ),
+        trajectories=tuple(each for on in drawn_data for each in trajectories(on)),
+        loops=tuple(loop for on in drawn_data if are_prescribed(on.parts) for loop in loops(on.rows.models, on.parts)),
         no_model=WORSE if first.worse else "",
         stopped=() if converged else stopped(first.stalled or found.fitted),
+    )
+
+
+def _tested(answer: Diagnosis, last: OnTest, joints: Sequence[str]) -> Diagnosis:
+    """An answer with the figures on its test data."""
+    spans = (*answer.data, *(each.source(joints, last.rows.noise) for each in last.parts))
+    return dataclasses.replace(
+        answer, gap_test=last.gap, errors=last.errors, left=last.left, data=spans, shares=last.shares
     )
 
 

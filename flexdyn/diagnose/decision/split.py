@@ -16,6 +16,7 @@ from flexdyn.checks import as_number
 from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.measured import Measured, measured
 from flexdyn.diagnose.equations.covariance import SampleNoise
+from flexdyn.diagnose.equations.sanity import moves_long_enough
 from flexdyn.diagnose.report.measures import RecordingSpan, Role
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -86,7 +87,8 @@ def parts(model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[R
     Args:
         model: that names the joints.
         fit: recordings to learn from.
-        check: test data; none: the last fifth of what moves in every recording of `fit`.
+        check: test data; none: the last fifth of what moves in every recording of `fit`. A lone recording that would be
+            too short without its last part is fitted as a whole, and nothing is test data.
 
     Raises:
         InputError: a recording that does not fit the model.
@@ -95,9 +97,12 @@ def parts(model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[R
     if check:
         tests = tuple(DataPart(each, measured(model, each), "test") for each in check)
         return tuple(DataPart(*each, "fit") for each in whole), tests
-    if len(whole) > 1 and any(data.t[-1] < SHORTEST_CUT_RECORDING for _, data in whole):
+    short = any(data.t[-1] < SHORTEST_CUT_RECORDING for _, data in whole)
+    if short and len(whole) > 1:
         return _apart(whole)
-    halves = [_halves(*each) for each in whole]
+    halves = [] if short else [_halves(*each) for each in whole]
+    if len(whole) == 1 and (short or not moves_long_enough([halves[0][0].data])):
+        return (DataPart(*whole[0], "fit"),), ()
     return tuple(first for first, _ in halves), tuple(last for _, last in halves)
 
 

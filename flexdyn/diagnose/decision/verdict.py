@@ -35,16 +35,18 @@ def is_noise(shots: Shots | None, left: Sequence[Left]) -> bool:
     return not left and (shots is None or shots.after.is_mostly_noise(shots.gap.floor))
 
 
-def verdict(*, named: bool, noise: bool, converged: bool) -> Verdict:
+def verdict(*, named: bool, noise: bool | None, converged: bool) -> Verdict:
     """What the report says.
 
     Args:
         named: whether there are findings; all of them are established.
-        noise: whether what is left is noise.
+        noise: whether what is left on the test data is noise; None: there are no test data.
         converged: whether the final fit has converged to a stationary point.
     """
     if not converged:
         return "not_converged"
+    if noise is None:
+        return "untested"
     if noise:
         return "explained" if named else "no_discrepancy"
     return "partly_explained" if named else "unexplained"

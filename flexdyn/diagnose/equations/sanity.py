@@ -23,7 +23,7 @@ SHORTEST_RECORDING = 0.5
 """Smallest length of one recording [s]: a window."""
 REMEDY = (
     f"at least {LEAST_MOVING_TIME:g} s of motion to fit are needed, three windows of 0.5 s; several short recordings"
-    " add up; without test data of their own (check), the last fifth is kept as test data, and at least 1 s"
+    " add up, of which the last ones are test data if no others are given (check)"
 )
 LEAST_RATE = 20.0
 """Smallest rate [Hz]: below it accelerations of an arm cannot be seen, and the clock is probably in ms."""
@@ -84,8 +84,7 @@ def _check_torques(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
 
 
 def _check_motion(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
-    signals = [("theta" if each.has_theta[j] else "q") for each in data[:1] for j in range(model.n)]
-    noise = [encoder_noise(tuple(data), signal) for signal in ("q", "theta")]
+    signals, noise = _positions(data)
     for j, (joint, signal) in enumerate(zip(model.joint_names, signals, strict=True)):
         sigma = float(noise[signal == "theta"][j])
         wide = max(_range(getattr(each, signal)[:, j], each.dt) for each in data)
@@ -94,9 +93,9 @@ def _check_motion(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
             problem = "the joint does not move beyond its encoder's noise"
             value = f"a range of {wide:.2g} at a noise of {sigma:.2g}"
             raise InputError(problem, file=data[0].name, key=f"{signal}.{joint}", value=value, remedy=remedy)
-    moving = sum(_moving_time(each, signals, noise) for each in data)
+    moving = _moving_time(data, signals, noise)
     if moving < LEAST_MOVING_TIME:
-        problem = f"hardly anything moves in the recording{'s' if len(data) > 1 else ''}"
+        problem = f"too little motion in the recording{'s' if len(data) > 1 else ''}"
         raise InputError(problem, file=data[0].name, key="t", value=f"{moving:.2g} s of motion", remedy=REMEDY)
 
 
@@ -107,8 +106,23 @@ def _range(x: Array, dt: float) -> float:
     return float(means.max() - means.min())
 
 
-def _moving_time(data: Measured, signals: Sequence[str], noise: Sequence[Array]) -> float:
-    """Time in which some joint moves by more than its noise, in blocks of 0.1 s [s]."""
+def moves_long_enough(data: Sequence[Measured]) -> bool:
+    """Whether recordings move for as long as a fit needs."""
+    return _moving_time(data, *_positions(data)) >= LEAST_MOVING_TIME
+
+
+def _positions(data: Sequence[Measured]) -> tuple[list[str], list[Array]]:
+    """The encoder by which each joint is judged, and the noise of link and motor encoders (joints,)."""
+    signals = [("theta" if has else "q") for has in data[0].has_theta]
+    return signals, [encoder_noise(tuple(data), signal) for signal in ("q", "theta")]
+
+
+def _moving_time(data: Sequence[Measured], signals: Sequence[str], noise: Sequence[Array]) -> float:
+    """Time in which some joint of the recordings moves by more than its noise, in blocks of 0.1 s [s]."""
+    return sum(_moving_blocks(each, signals, noise) for each in data)
+
+
+def _moving_blocks(data: Measured, signals: Sequence[str], noise: Sequence[Array]) -> float:
     width = max(1, round(0.1 / data.dt))
     blocks = len(data.t) // width
     moves = np.zeros(blocks, dtype=bool)

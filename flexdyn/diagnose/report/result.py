@@ -13,7 +13,9 @@ from flexdyn.diagnose.report.trace import ForceLoop, ResidualTrace, Trajectory
 from flexdyn.io.notebook import Public
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-Verdict = Literal["no_discrepancy", "explained", "partly_explained", "unexplained", "not_converged", "interrupted"]
+Verdict = Literal[
+    "no_discrepancy", "explained", "partly_explained", "unexplained", "untested", "not_converged", "interrupted"
+]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 
 
@@ -22,7 +24,7 @@ class Diagnosis(Public):
     """The answer to "where do model and measurement disagree, and what is missing?".
 
     Attributes:
-        verdict: about the test data (contract, section 8).
+        verdict: about the test data, or that there are none (contract, section 8).
         findings: in the order of their share of the gap.
         model: the corrected model.
         calibration: numbers that moved within three sigma of their tolerance.
