@@ -27,6 +27,7 @@ from flexdyn.model.setting_checks import (
     one_of,
     tolerance_checked,
 )
+from flexdyn.model.stated_tolerances import with_stated_tolerances
 from flexdyn.robot import Robot
 
 EARTH = (0.0, 0.0, -9.81)
@@ -47,13 +48,15 @@ class FlexibleJointModel(Public):
     Args:
         robot: from `load_robot`.
         joints: joint name -> `Joint` or mapping of its numbers; ``"*"`` applies to all joints that are not named. A
-            number may be ``"unknown"`` or have an absolute tolerance, see `Joint`.
-        effects: any number of them; several of one kind add up.
+            number may be ``"unknown"`` or have an absolute tolerance, see `Joint`; in an actuator's mapping so may
+            torque constant and resistance.
+        effects: any number of them; several of one kind add up. In a mapping, a number may have an absolute tolerance.
         initial: ``{"q": {"elbow": 1.57}}``; also v, theta, omega [rad, rad/s]. Default 0, theta = q, omega = v.
         tolerance: how well the numbers are known, relative, 1 sigma; a mapping sets it per number by its dotted path
             (``{"*": 0.05, "joints.elbow.stiffness": 0.2}``).
         links: link name -> ``{"inertia": moment}`` [kg m^2], the same about every axis through the centre of mass. It
             replaces the URDF's value, which is often 0; it may be ``"unknown"`` or have an absolute tolerance.
+            ``{"mass": {"tolerance": 0.1}}`` [kg] is the absolute tolerance of the URDF's mass.
         gravity: [m/s^2] in the axes of the base.
         urdf_dynamics: ``use`` turns the URDF's <dynamics damping friction> into link-side effects; ``ignore`` leaves
             it out.
@@ -92,6 +95,8 @@ class FlexibleJointModel(Public):
             raise InputError("a Robot is needed", key="robot", value=robot, remedy="use fd.load_robot(...)")
         self.robot = robot
         self.name = name or robot.name
+        listed = [each for each in effects if not isinstance(each, MotorLaw)]  # those come from the actuators
+        tolerance, joints, links, listed = with_stated_tolerances(tolerance, joints, links, listed, robot)
         drives = resolve_joints({} if joints is None else joints, robot.joint_names)
         self.joints: Mapping[str, Joint] = MappingProxyType(drives)
         self.urdf_dynamics = one_of("robot.urdf_dynamics", urdf_dynamics, ("use", "ignore"))
@@ -104,8 +109,7 @@ class FlexibleJointModel(Public):
         self.tolerance = tolerance_checked(tolerance)
         self.command = command_checked(command, robot.joint_names)
         self.links: Mapping[str, GivenNumber] = link_inertias({} if links is None else links, robot)
-        given = (each for each in effects if not isinstance(each, MotorLaw))  # those come from the actuators
-        self.effects: tuple[Effect, ...] = fitted(robot, self.joints, given)
+        self.effects: tuple[Effect, ...] = fitted(robot, self.joints, listed)
         self.urdf_effects: tuple[Effect, ...] = _urdf_effects(robot) if urdf_dynamics == "use" else ()
         self.__dict__["_locked"] = True
         self.resolved()  # refuses parameter errors of numbers that do not exist

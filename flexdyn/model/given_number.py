@@ -103,12 +103,15 @@ def link_inertias(entries: Any, robot: Robot) -> Links:
     found = {}
     for link, entry in entries.items():
         key = f"links.{link}"
+        for name in entry if isinstance(entry, Mapping) else ():
+            if name != INERTIA:
+                remedy = (
+                    f"{did_you_mean(str(name), (INERTIA, 'mass'))}; the centre of mass is in the URDF, and"
+                    f" tolerance: {{links.{link}.com: 0.05}} says how well it is known"
+                )
+                raise InputError("a link has no such key", key=f"{key}.{name}", remedy=remedy)
         if not isinstance(entry, Mapping) or INERTIA not in entry:
             raise InputError("a link's inertia is needed", key=key, value=entry, remedy="write {inertia: 0.01}")
-        for name in entry:
-            if name != INERTIA:
-                remedy = f"{did_you_mean(str(name), (INERTIA,))}; mass and centre of mass are in the URDF"
-                raise InputError("a link has no such key", key=f"{key}.{name}", remedy=remedy)
         number = given_number(entry[INERTIA], f"{key}.{INERTIA}")
         if not 0.0 <= number.value < math.inf:
             problem = "it must be finite and at least 0"

@@ -82,6 +82,68 @@ def test_an_absolute_tolerance_is_the_one_that_holds(tmp_path: Path) -> None:
     assert found["rod", "link_mass"] == 0.03
 
 
+def known_roughly(folder: Path, **changes: Any) -> fd.FlexibleJointModel:
+    """The rod with a motor and friction, and absolute tolerances of the numbers of both and of its mass."""
+    motor = {"torque_constant": {"value": 0.05, "tolerance": 0.01}, "resistance": 2.0, "supply": 24.0}
+    friction = {"effect": "viscous_friction", "joint": "hinge", "side": "motor"}
+    content = {
+        "joints": {"*": {"rotor_inertia": 0.1, "actuator": {"dc_motor": motor}}},
+        "links": {"rod": {"mass": {"tolerance": 0.3}, "inertia": {"value": 0.05, "tolerance": 0.1}}},
+        "effects": [friction | {"coefficient": {"value": 3.0, "tolerance": 1.5}}],
+    }
+    return rod(folder, **{**content, **changes})
+
+
+def test_numbers_of_motors_effects_and_masses_have_absolute_tolerances_too(tmp_path: Path) -> None:
+    """Each as a share of its value, before a relative one of the same number; a file holds the shares."""
+    model = known_roughly(tmp_path, tolerance={"*": 0.03, "effects[0].coefficient": 0.9})
+    found = {(number.of, number.parameter): number.tolerance for number in file_numbers(model)}
+    assert found["hinge", "torque_constant"] == pytest.approx(0.2)
+    assert found["hinge", "resistance"] == 0.03
+    assert found["effects[0]", "coefficient"] == pytest.approx(0.5)
+    assert found["rod", "link_mass"] == pytest.approx(0.15)
+    assert found["rod", "link_inertia"] == pytest.approx(2.0)
+    assert model.effects[0].values == (3.0,)
+    fd.save_model(model, tmp_path / "model.yaml")
+    assert fd.load_model(tmp_path / "model.yaml").replace(name=model.name) == model == repickled(model)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (
+            {"joints": {"hinge": {"actuator": {"dc_motor": {"torque_constant": "unknown", "resistance": 2.0}}}}},
+            "joints.hinge.actuator.dc_motor.torque_constant: this number cannot be unknown, got 'unknown'; write the",
+        ),
+        (
+            {"joints": {"hinge": {"actuator": {"dc_motor": {"supply": {"value": 24, "tolerance": 1}}}}}},
+            "joints.hinge.actuator.dc_motor.supply: no diagnosis estimates this number; write the number alone",
+        ),
+        (
+            {"effects": [{"effect": "torque_offset", "joint": "hinge", "offset": {"value": 0, "tolerance": 0.2}}]},
+            "effects[0].offset: a tolerance here is a share of the value, got 0.0; give a value other than 0, or leave",
+        ),
+        (
+            {"effects": [{"effect": "torque_offset", "joint": "hinge", "offset": "unknown"}]},
+            "effects[0].offset: this number cannot be unknown, got 'unknown'; leave the effect out: a diagnosis finds",
+        ),
+        (
+            {"effects": [{"effect": "payload", "mass": {"value": 1.0, "tolerance": 0.2}}]},
+            "effects[0].mass: no diagnosis estimates this number; write the number alone",
+        ),
+        ({"links": {"rod": {"mass": 3.0}}}, "links.rod.mass: the URDF gives it as 2 kg, got 3.0; change it there"),
+        ({"links": {"rod": {"mass": "unknown"}}}, "links.rod.mass: this number cannot be unknown, got 'unknown'"),
+        ({"links": {"rodd": {"mass": 2.0}}}, "links.rodd: no such link; did you mean 'rod'?"),
+        ({"links": {"rod": {"com": {"tolerance": 0.1}}}}, "links.rod.com: a link has no such key; known: "),
+    ],
+)
+def test_a_tolerance_that_no_diagnosis_can_use_is_refused(tmp_path: Path, changes: Any, words: str) -> None:
+    """One line with its key and what would be right."""
+    with pytest.raises(fd.InputError) as caught:
+        known_roughly(tmp_path, **changes)
+    assert str(caught.value).startswith(words)
+
+
 @pytest.mark.parametrize(
     ("joint", "words"),
     [
@@ -113,7 +175,7 @@ def test_a_number_that_is_neither_is_refused(tmp_path: Path, joint: Any, words: 
     [
         ([], "links: links are a mapping by name"),
         ({"rod": 0.1}, "links.rod: a link's inertia is needed, got 0.1; write {inertia: 0.01}"),
-        ({"rod": {"inertia": 0.1, "mass": 2.0}}, "links.rod.mass: a link has no such key"),
+        ({"rod": {"inertia": 0.1, "com": 2.0}}, "links.rod.com: a link has no such key"),
         ({"rodd": {"inertia": 0.1}}, "links.rodd: no such link; did you mean 'rod'?"),
         ({"base": {"inertia": 0.1}}, "links.base: the link does not move"),
         ({"rod": {"inertia": -0.1}}, "links.rod.inertia: it must be finite and at least 0, got -0.1"),

@@ -1,0 +1,138 @@
+"""Absolute tolerances that stand beside numbers of motors, links and effects, as the relative ones of the model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from flexdyn.effects import Effect, JointCoupling, JointElasticity, ParameterError, Payload, SensorEffect, registered
+from flexdyn.errors import InputError, retold
+from flexdyn.model.given_number import UNKNOWN, GivenNumber, given_number
+from flexdyn.model.resolved_parameters import OF_MOTOR
+from flexdyn.robot import Robot
+
+SAME_MASS = 1e-6
+"""Relative difference up to which a mass is that of the URDF [1]."""
+NOT_ESTIMATED = (ParameterError, JointElasticity, Payload, SensorEffect)
+"""Effects of a file whose numbers no diagnosis changes."""
+WRITE_NUMBER = "write the number alone"
+Paths = dict[str, float]
+
+
+def with_stated_tolerances(
+    tolerance: Any, joints: Any, links: Any, effects: Sequence[Any], robot: Robot
+) -> tuple[Any, Any, Any, list[Any]]:
+    """Entries of a model with numbers in place of ``{value: .., tolerance: ..}``, and the tolerances with these added.
+
+    Rotor inertia, stiffness, damping and inertias of links keep their own absolute tolerance. Entries of another form
+    are handed on; whoever reads them refuses them.
+
+    Args:
+        tolerance: of the model: one relative number, or several by path.
+        joints: entries by joint.
+        links: entries by link.
+        effects: effects and entries of them.
+        robot: of the model.
+
+    Returns:
+        Tolerances, joints, links, effects.
+
+    Raises:
+        InputError: an unknown number or a tolerance that no diagnosis can use.
+    """
+    stated: Paths = {}
+    joints = _each(joints, lambda name, entry: _joint(joints, name, entry, stated, robot.joint_names))
+    links = _each(links, lambda link, entry: _link(link, entry, stated, robot))
+    if isinstance(links, Mapping):
+        links = {link: entry for link, entry in links.items() if entry is not None}
+    listed = [_effect(i, entry, stated) for i, entry in enumerate(effects)]
+    if stated:
+        tolerance = {**(tolerance if isinstance(tolerance, Mapping) else {"*": tolerance}), **stated}
+    return tolerance, joints, links, listed
+
+
+def _each(entries: Any, change: Callable[[str, Any], Any]) -> Any:
+    """Every entry of a mapping that is a mapping itself, changed."""
+    if not isinstance(entries, Mapping):
+        return entries
+    return {key: change(key, each) if isinstance(each, Mapping) else each for key, each in entries.items()}
+
+
+def _joint(joints: Any, name: str, entry: Mapping[str, Any], stated: Paths, names: Sequence[str]) -> Any:
+    """A joint's entry with the numbers of its motor alone; those of ``"*"`` are of every joint without an actuator."""
+    actuator = entry.get("actuator")
+    motor = actuator.get("dc_motor") if isinstance(actuator, Mapping) else None
+    if not isinstance(motor, Mapping):
+        return entry
+    place, found = "actuator.dc_motor", dict(motor)
+    for key, given in motor.items():
+        path = f"joints.{name}.{place}.{key}"
+        if number := _number(given, path, "write the value of the data sheet with a wide tolerance"):
+            if key not in OF_MOTOR:
+                raise InputError("no diagnosis estimates this number", key=path, remedy=WRITE_NUMBER)
+            found[key] = number.value
+            bare = [each for each in names if each not in joints or "actuator" not in _keys(joints[each])]
+            for each in bare if name == "*" else [name]:
+                stated[f"joints.{each}.{place}.{key}"] = _relative(number, path)
+    return {**entry, "actuator": {**actuator, "dc_motor": found}}
+
+
+def _keys(entry: Any) -> Any:
+    """Keys of a joint's entry; a `Joint` has all of them."""
+    return entry if isinstance(entry, Mapping) else ("actuator",)
+
+
+def _link(link: str, entry: Mapping[str, Any], stated: Paths, robot: Robot) -> Any:
+    """A link's entry without the tolerance of its mass, which is in the URDF; None if nothing else is in it."""
+    if "mass" not in entry:
+        return entry
+    key, given = f"links.{link}.mass", entry["mass"]
+    with retold(key=f"links.{link}", value=None):
+        mass = robot.link_size(link)[0]
+    remedy = "change it there, and write {tolerance: 0.1} here"
+    number = _number({"value": mass, **given} if isinstance(given, Mapping) else given, key, remedy)
+    if number is None or abs(number.value - mass) > SAME_MASS * mass:
+        raise InputError(f"the URDF gives it as {mass:g} kg", key=key, value=given, remedy=remedy)
+    stated[key] = _relative(number, key)
+    return {name: value for name, value in entry.items() if name != "mass"} or None
+
+
+def _effect(i: int, entry: Any, stated: Paths) -> Any:
+    """An effect's entry with its numbers alone."""
+    kind = registered().get(str(entry.get("effect"))) if isinstance(entry, Mapping) else None
+    if kind is None:
+        return entry
+    found = dict(entry)
+    for name in (field.name for field in kind.parameters() if field.name in entry):
+        key = f"effects[{i}].{name}"
+        if number := _number(entry[name], key, "leave the effect out: a diagnosis finds it, with its numbers"):
+            _check_estimated(kind, name, key)
+            found[name], stated[key] = number.value, _relative(number, key)
+    return found
+
+
+def _check_estimated(kind: type[Effect], name: str, key: str) -> None:
+    if issubclass(kind, NOT_ESTIMATED) or (issubclass(kind, JointCoupling) and name == "ratio"):
+        raise InputError("no diagnosis estimates this number", key=key, remedy=WRITE_NUMBER)
+
+
+def _number(entry: Any, key: str, remedy: str) -> GivenNumber | None:
+    """A number with its absolute tolerance; None for an entry of another form; an unknown one is refused."""
+    if not (isinstance(entry, Mapping) or (isinstance(entry, str) and entry == UNKNOWN)):
+        return None
+    number = given_number(entry, key)
+    if number.is_unknown:
+        raise InputError("this number cannot be unknown", key=key, value=entry, remedy=remedy)
+    return number
+
+
+def _relative(number: GivenNumber, key: str) -> float:
+    """Tolerance as a share of the value."""
+    if number.tolerance is None or number.value == 0.0 or math.isinf(number.value):
+        problem, remedy = (
+            "a tolerance here is a share of the value",
+            "give a value other than 0, or leave the effect out",
+        )
+        raise InputError(problem, key=key, value=number.value, remedy=remedy)
+    return number.tolerance / abs(number.value)
