@@ -30,6 +30,25 @@ def read(channel: str, entry: object, values: np.ndarray = RAW) -> np.ndarray:
         ("duty.arm", {"from": "raw", "unit": "counts", "full_counts": 885}, RAW / 885.0),
         ("voltage.arm", {"from": "raw", "full_counts": 4095, "full_scale": 24, "offset": -12}, RAW * 24 / 4095 - 12),
         ("tau.arm", {"from": "raw", "full_counts": 2048, "full_scale": 50.0}, RAW * 50 / 2048),
+        ("duty.arm", {"from": "raw", "full_counts": 255, "full_scale": 50, "unit": "%"}, RAW * 0.5 / 255),
+        (
+            "tau.arm",
+            {
+                "from": "raw",
+                "full_counts": 2048,
+                "full_scale": 10,
+                "unit": "A",
+                "side": "motor",
+                "gear_ratio": 100,
+                "torque_constant": 0.05,
+            },
+            RAW * 10 / 2048 * 0.05 * 100,
+        ),
+        (
+            "tau.arm",
+            {"from": "raw", "full_counts": 2048, "full_scale": 9e3, "unit": "mA", "torque_constant": 0.1},
+            RAW * 9 / 2048 * 0.1,
+        ),
         ("goal.arm", {"from": "raw", "unit": "counts", "counts_per_turn": 4096}, RAW * 2 * np.pi / 4096),
     ],
 )
@@ -48,6 +67,10 @@ def test_what_is_read(channel: str, entry: object, wanted: np.ndarray) -> None:
         ({"from": "raw", "full_counts": 885}, "channels.voltage.arm.full_scale: full_counts needs full_scale"),
         ({"from": "raw", "full_scale": 24}, "channels.voltage.arm.full_counts: full_scale needs full_counts"),
         ({"from": "raw", "full_counts": 0, "full_scale": 1}, "full_counts: a number above zero is needed"),
+        (
+            {"from": "raw", "full_counts": 9, "full_scale": 24, "unit": "rad"},
+            "a unit of angle does not fit voltage.arm",
+        ),
         ({"from": "raw", "unit": "A"}, "a unit of current does not fit voltage.arm"),
     ],
 )

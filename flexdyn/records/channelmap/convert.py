@@ -104,17 +104,23 @@ def valid_unit(given: str | None, stated: str | None, key: str) -> str:
 
 def _unit(channel: Channel, name: str) -> Unit:
     """The unit of a channel, by name, factor or full scale; refuses one that does not fit the channel's signal."""
-    signal = channel.signal
-    fitting = _fitting(signal) if signal else tuple(SI)
-    unit = UNITS.get(name)
     if channel.full_counts is not None or channel.full_scale is not None:
         return _converter(channel, name)
+    signal, unit = channel.signal, UNITS.get(name)
+    fitting = _fitting(signal) if signal else tuple(SI)
     if channel.factor is not None:
         raw = unit is not None and unit.quantity in ELECTRICAL and signal != "voltage"  # the factor says what it drives
         if unit is not None and unit.quantity in fitting and not raw:
             key, remedy = _key(channel, "factor"), "leave one of them out"
             raise InputError("factor and unit both give the scale", key=key, value=name, remedy=remedy)
         return Unit("", channel.factor)
+    return _named(channel, name)
+
+
+def _named(channel: Channel, name: str) -> Unit:
+    """A unit by its name; SI if it has none."""
+    signal, unit = channel.signal, UNITS.get(name)
+    fitting = _fitting(signal) if signal else tuple(SI)
     if not name or (unit is None and not signal):
         return Unit("")
     if unit is None or unit.quantity not in fitting:
@@ -126,12 +132,15 @@ def _unit(channel: Channel, name: str) -> Unit:
 
 
 def _converter(channel: Channel, name: str) -> Unit:
-    """Counts of a PWM or an ADC."""
-    if channel.factor is not None or name not in ("", "counts"):
+    """Counts of a PWM or an ADC; a unit is that of the full scale, such as A of a current that drives a torque."""
+    if channel.factor is not None:
         problem, key = "full_counts gives the scale already", _key(channel, "full_counts")
-        raise InputError(problem, key=key, remedy="leave factor and unit out; the offset may stay")
+        raise InputError(problem, key=key, remedy="leave factor out; the offset may stay")
     counts = _needed(channel, "full_counts", "full_scale")
-    return Unit("", 1.0 if channel.signal == "duty" else _needed(channel, "full_scale", "full_counts"), counts)
+    of_scale = _named(channel, "" if name == "counts" else name)
+    plain_duty = channel.signal == "duty" and not of_scale.quantity
+    most = 1.0 if plain_duty else _needed(channel, "full_scale", "full_counts")
+    return Unit(of_scale.quantity, most * of_scale.numerator, counts * of_scale.denominator, of_scale.zero)
 
 
 def _quantity(signal: str) -> str:

@@ -23,13 +23,13 @@ class Channel:
     Attributes:
         name: ``<signal>.<joint>`` or any other.
         source: raw column by name, or by number from 1 in text files.
-        unit: of the raw numbers; None: the unit in the file, else SI.
+        unit: of the raw numbers, or of `full_scale`; None: the unit in the file, else SI.
         sign: 1 or -1.
         offset: added last, in the channel's SI unit.
         factor: SI per raw unit, if there is no unit.
         counts_per_turn: of an encoder.
         full_counts: of a PWM or an ADC: raw counts at the full scale.
-        full_scale: value at the full scale in the channel's SI unit; 1 for a duty.
+        full_scale: value at the full scale, in `unit`; 1 for a duty. A current becomes a torque by the torque constant.
         side: ``motor`` if the raw numbers are those of the motor's shaft: positions and velocities are then divided by
             the gear ratio, torques multiplied by it.
         gear_ratio: 1, or rad/m for a prismatic joint.

@@ -17,6 +17,7 @@ An example of all entries; `Channel`, `TimeSource`, `Coupling` and `Layout` expl
       tau.slide: {from: vir, unit: V, factor: 35.15, delay: 0.002}
       duty.wrist: {from: pwm, full_counts: 885}    # PWM counts at full voltage
       voltage.arm: {from: adc, full_counts: 4095, full_scale: 24, offset: -12}  # counts of an ADC, 0 V at half of them
+      tau.arm: {from: i, full_counts: 2048, full_scale: 10, unit: A, torque_constant: 0.05}  # counts of a current
       theta.pitch: m1                              # motors of a differential wrist
       theta.roll: m2
     computed:                                      # of channels above, in SI, with + - * / and brackets
