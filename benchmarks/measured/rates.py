@@ -21,6 +21,7 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 sys.path += [str(HERE), str(HERE.parent), *(str(each) for each in sorted(HERE.iterdir()) if each.is_dir())]
+import damper_study  # noqa: E402
 import emps_study  # noqa: E402
 import kinova_study  # noqa: E402
 import kuka_study  # noqa: E402
@@ -39,6 +40,7 @@ ROBOTS: Mapping[str, tuple[str, Callable[[Path], list[Task]]]] = {
     "double_pendulum": ("dfki_double_pendulum", pendulum_study.tasks),
     "kuka_kr300": ("kuka_kr300", kuka_study.tasks),
     "xl330": ("bam_xl330", xl330_study.tasks),
+    "friction_damper": ("arts_damper", damper_study.tasks),
     "kinova_gen3": ("kinova_gen3", kinova_study.tasks),
 }
 """Folder of the data, and what is diagnosed of them; screw drives have curves of steady friction instead."""
