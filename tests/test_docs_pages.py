@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import json
 import re
 import sys
 from collections.abc import Iterator
@@ -48,6 +49,33 @@ def test_prose_names_effects_that_are_there(scripts: dict[str, ModuleType]) -> N
     for name, parts in prose.items():
         named = re.findall(r"`(\w+)`", " ".join(parts[key] for key in ("data", "confused_with", "seen")))
         assert set(named) - known - {"damping"} == set(), name
+
+
+@pytest.mark.parametrize(
+    ("robot", "effect", "parameter", "scale", "digits"),
+    [
+        ("emps", "coulomb_friction", "level", 1.0, 1),
+        ("double_pendulum", "coulomb_friction", "level", 1.0, 3),
+        ("double_pendulum", "viscous_friction", "coefficient", 1.0, 4),
+        ("kuka_kr300", "parallel_spring", "stiffness", 1.0, 0),
+        ("kuka_kr300", "parallel_spring", "rest", 1.0, 2),
+        ("friction_damper", "backlash", "half_gap", 1e3, 2),
+        ("kinova_gen3", "coulomb_friction", "level", 1.0, 2),
+        ("kinova_gen3", "viscous_friction", "coefficient", 1.0, 2),
+        ("kinova_gen3", "payload", "mass", 1.0, 2),
+    ],
+)
+def test_prose_has_the_numbers_of_the_results(
+    scripts: dict[str, ModuleType], robot: str, effect: str, parameter: str, scale: float, digits: int
+) -> None:
+    """Of every finding of this effect on a measured robot."""
+    seen = scripts["effects"].read_prose(ROOT / "docs" / "effects.yaml")[effect]["seen"]
+    result = json.loads((ROOT / "benchmarks" / "results" / f"{robot}.json").read_text(encoding="utf-8"))
+    answers = result["diagnoses"].values() if "diagnoses" in result else [result["diagnosis"]]
+    findings = [each for answer in answers for each in answer["findings"] if each["effect"] == effect]
+    assert findings
+    for finding in findings:
+        assert f"{scale * finding['parameters'][parameter]['value']:.{digits}f}" in seen
 
 
 def test_an_effect_without_prose_is_refused(scripts: dict[str, ModuleType], tmp_path: Path) -> None:

@@ -33,8 +33,9 @@ def write_page(made: Study, held: Sequence[Bound], folder: Path) -> None:
     _draw(made, folder / "force.png")
     _draw_left(made, folder / "left.png")
     tables = {"errors": _errors(made), "drift": _drift_table(made), "left": _left(made)}
-    ratios = {each.name.partition(" of ")[0]: each.ratio for each in made.compared.numbers}
-    fill_page(__file__, made, held, folder, odds=_odds(made), ratios=ratios, **tables)
+    numbers = {each.name.partition(" of ")[0]: each for each in made.compared.numbers}
+    ratios = {name: each.ratio for name, each in numbers.items()}
+    fill_page(__file__, made, held, folder, odds=_odds(made), ratios=ratios, gap=numbers["half gap"], **tables)
 
 
 def _odds(made: Study) -> list[float]:

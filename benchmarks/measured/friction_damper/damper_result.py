@@ -19,7 +19,7 @@ class Study:
         mass: of the bench, of all files [kg].
         errors: of the corrected models.
         errors_without: of the same models without the bench's mass.
-        plain_errors: of the axis without friction.
+        plain_errors: of the models before their diagnosis, brakes behind springs, without damping.
         compared: the corrected models over the tensions.
         records: by file.
         forces: computed by the corrected models over the whole 1 Hz files [N].

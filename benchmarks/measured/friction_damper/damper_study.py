@@ -92,7 +92,7 @@ def bounds(made: Study) -> list[Bound]:
 
 
 def beside(made: Study) -> dict[str, dict[str, float]]:
-    """What stands beside every bound: the axis without friction, whose force is the inertia's alone, and LuGre."""
+    """What stands beside every bound: the model before its diagnosis, a brake behind a spring, and LuGre."""
     found = {
         f"force error, later cycles, {tension} lb": _pair(made, f"1Hz_{tension}lb", "later cycles", 1)
         for tension in TENSIONS
