@@ -57,7 +57,7 @@ class Bound:
 
     def __str__(self) -> str:
         """One line for the terminal."""
-        return f"{'PASS' if self.passed else 'FAIL'}  {self.name}: {self.value:.3g} (at most {self.bound:g})"
+        return f"{'PASS' if self.passed else 'FAIL'}  {self.name}: {self.value:.4g} (at most {self.bound:g})"
 
 
 def race(contestants: Sequence[Contestant], rounds: int) -> dict[str, Array]:
