@@ -97,8 +97,10 @@ def untested(document: Document, told: str | None) -> None:
     """Nothing was measured on test data; the findings that are told."""
     assert document["verdict"] == "untested"
     assert {each["role"] for each in document["data"]} == {"fit"}
-    assert bool(told) == bool(document["findings"])
-    named(document, told or "")
+    if told:
+        by_then(document, told)
+    else:
+        nothing_by_then(document, None)
 
 
 def interrupted(document: Document, stage: str | None) -> None:

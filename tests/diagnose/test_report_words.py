@@ -58,8 +58,8 @@ SENTENCES = {
     " and omega.",
     "not_converged": "These estimates stopped before they had converged: stiffness of elbow and damping of elbow."
     " The report claims only what has converged: a payload at frame tip (probability 0.998).",
-    "untested": "There are no test data: too little moves to keep a part of the recording for them. On the data of the"
-    " fit, the disagreement is explained by Coulomb friction on the motor side of elbow (probability 0.998).",
+    "untested": "There are no test data: too little moves to keep a part of the recording for them. Established on the"
+    " data of the fit: Coulomb friction on the motor side of elbow (probability 0.998).",
     "interrupted": "This diagnosis was interrupted while simulating windows, stage 3 of 5, before it was finished."
     " Established by then: a payload at frame tip (probability 0.99). The test data had not been opened.",
     "interrupted_early": "This diagnosis was interrupted while comparing structures, pass 2 of at most 5, before it was"
@@ -84,7 +84,7 @@ def test_verdicts_with_nothing_to_name() -> None:
     assert verdict_sentence(stopped).endswith("no effect is established.")
     assert verdict_sentence(dataclasses.replace(stopped, stopped=())).startswith("An estimate stopped")
     untested = dataclasses.replace(cases.untested(), findings=())
-    assert verdict_sentence(untested).endswith("On the data of the fit, no effect is established.")
+    assert verdict_sentence(untested).endswith("them. No effect is established on the data of the fit.")
     left = dataclasses.replace(cases.partly(), left=())
     assert verdict_sentence(left).endswith("Something is left that no established effect accounts for.")
     unnamed = dataclasses.replace(cases.unexplained(), considered=(), where=())
