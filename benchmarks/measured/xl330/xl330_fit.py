@@ -25,6 +25,8 @@ STEP = 0.2
 """First standard deviation of the search, of logarithms."""
 OFFSET_SCALE = 0.01
 """Of the one number that may be negative, the torque of the tilted bench [N m]."""
+EVALUATIONS = 4000
+"""Of the cost, in one search."""
 FAILED = 1.0
 """Cost of numbers that cannot be simulated [rad]."""
 
@@ -136,7 +138,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, default=Path("../shared/data"), help="folder of the measured data")
     parser.add_argument("--gains", type=int, nargs="+", default=[100, 200, 400, 800], help="of the logs to fit")
     parser.add_argument("--start", type=Path, help="model to start from; default: the data sheet and a guess")
-    parser.add_argument("--evaluations", type=int, default=4000)
+    parser.add_argument("--evaluations", type=int, default=EVALUATIONS)
     parser.add_argument("--step", type=float, default=STEP, help="first standard deviation of the logarithms")
     options = parser.parse_args()
     logs = [log for log in read_logs(options.data / "bam_xl330") if log.gain in options.gains]

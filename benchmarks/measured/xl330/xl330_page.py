@@ -11,6 +11,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from pages import fill_page
 from result_tables import markdown_table
+from xl330_fit import EVALUATIONS
+
+from flexdyn.diagnose.report.digits import unit_text
 
 if TYPE_CHECKING:
     from measure import Bound
@@ -27,7 +30,8 @@ def write_page(made: Study, held: Sequence[Bound], folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     made.diagnosis.save(folder / "diagnosis")
     _draw(made, folder / "motions.png")
-    fill_page(__file__, made, held, folder, errors=_errors(made), published=_published(made), numbers=_numbers(made))
+    tables = {"errors": _errors(made), "published": _published(made), "numbers": _numbers(made)}
+    fill_page(__file__, made, held, folder, evaluations=EVALUATIONS, **tables)
 
 
 def _errors(made: Study) -> str:
@@ -56,8 +60,10 @@ def _numbers(made: Study) -> str:
         rows.append(["torque constant", f"{motor.torque_constant:.3g} N m/A"])
         rows.append(["resistance", f"{motor.resistance:.3g} ohm"])
     for effect in made.fitted.effects:
-        numbers = (f"{f.name} {getattr(effect, f.name):.3g} {f.metadata['unit']}" for f in effect.parameters())
-        rows.append([effect.name.replace("_", " "), ", ".join(numbers)])
+        numbers = (
+            f"{f.name} {getattr(effect, f.name):.3g} {unit_text(f.metadata['unit'])}" for f in effect.parameters()
+        )
+        rows.append([effect.name.replace("_", " "), ", ".join(each.rstrip() for each in numbers)])
     return markdown_table(["number", "value"], rows, text=2)
 
 

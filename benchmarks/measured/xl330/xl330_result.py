@@ -22,17 +22,21 @@ class Study:
 
     Attributes:
         diagnosis: of the plain servo.
+        unknown: of the same with numbers of the gear unknown instead of guessed, by the words for these.
         logs: all eight.
         fitted: the model fitted to all.
         errors: mean absolute errors (logs,) [rad] by model.
         simulated: positions of the fitted model by log [rad].
+        evaluation_seconds: processor time of one evaluation of a search, all logs simulated once [s].
     """
 
     diagnosis: fd.Diagnosis
+    unknown: Mapping[str, fd.Diagnosis]
     logs: Sequence[Log]
     fitted: fd.FlexibleJointModel
     errors: Mapping[str, Array]
     simulated: Sequence[Array]
+    evaluation_seconds: float
 
     def mean(self, model: str) -> float:
         """Over the logs [rad]."""
