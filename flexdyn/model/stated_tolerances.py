@@ -62,11 +62,10 @@ def _each(entries: Any, change: Callable[[str, Any], Any]) -> Any:
 def _joint(joints: Any, name: str, entry: Mapping[str, Any], stated: Paths, names: Sequence[str]) -> Any:
     """A joint's entry with the numbers of its motor alone; those of ``"*"`` are of every joint without an actuator."""
     actuator = entry.get("actuator")
-    motor = actuator.get("dc_motor") if isinstance(actuator, Mapping) else None
-    if not isinstance(motor, Mapping):
+    if not isinstance(actuator, Mapping) or not isinstance(actuator.get("dc_motor"), Mapping):
         return entry
-    place, found = "actuator.dc_motor", dict(motor)
-    for key, given in motor.items():
+    place, found = "actuator.dc_motor", dict(actuator["dc_motor"])
+    for key, given in actuator["dc_motor"].items():
         path = f"joints.{name}.{place}.{key}"
         if number := _number(given, path, "write the value of the data sheet with a wide tolerance"):
             if key not in OF_MOTOR:
