@@ -125,6 +125,13 @@ def test_a_short_recording_alone_is_fitted_as_a_whole(tmp_path: Path) -> None:
     assert found.gap_fit.after < 1.3
 
 
+def test_two_short_recordings_are_fitted_together(tmp_path: Path) -> None:
+    """One of 0.9 s would be too little without the other; of four, the last can be kept apart."""
+    model, pieces = slides.model(tmp_path), rubbed().split(at=[0.9, 1.8, 2.7, 3.6])
+    assert [len(each) for each in parts(model, pieces[:2])] == [2, 0]
+    assert [len(each) for each in parts(model, pieces[:4])] == [3, 1]
+
+
 def test_a_slow_recording_is_cut_only_if_enough_is_left_to_fit(tmp_path: Path) -> None:
     """At 50 Hz the least test data of 100 samples, or half, leave 1.3 s of 2.6 s."""
     model, long = slides.model(tmp_path), rubbed()

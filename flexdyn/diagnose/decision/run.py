@@ -41,7 +41,7 @@ def diagnose(
         fit: fit data: one or several recordings, each a `Recording`, a run, a path or a pandas.DataFrame. Pieces
             between gaps in time count as separate recordings.
         check: test data, in the same form, which only the final figures and the verdict use; default: the last fifth of
-            the moving part of every recording of `fit`; none where a lone recording is too short for that.
+            the moving part of every recording of `fit`; none where too little would be left to fit.
         hold_out: blocks of the recordings of `fit` that are also test data, pairs of first and last time [s].
         expect: names of effects that this drive probably has, for example by its data sheet: they get the prior odds of
             common effects, against something unknown that resembles them (docs/diagnosis.md, eq. 6).

@@ -87,8 +87,8 @@ def parts(model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[R
     Args:
         model: that names the joints.
         fit: recordings to learn from.
-        check: test data; none: the last fifth of what moves in every recording of `fit`. A lone recording that would be
-            too short without its last part is fitted as a whole, and nothing is test data.
+        check: test data; none: the last fifth of what moves in every recording of `fit`, or the last ones of short
+            recordings. Where too little would be left to fit, all is fitted, and nothing is test data.
 
     Raises:
         InputError: a recording that does not fit the model.
@@ -97,12 +97,17 @@ def parts(model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[R
     if check:
         tests = tuple(DataPart(each, measured(model, each), "test") for each in check)
         return tuple(DataPart(*each, "fit") for each in whole), tests
-    short = any(data.t[-1] < SHORTEST_CUT_RECORDING for _, data in whole)
-    if short and len(whole) > 1:
+    kept = _kept_apart(whole)
+    if kept[0] and moves_long_enough([each.data for each in kept[0]]):
+        return kept
+    return tuple(DataPart(*each, "fit") for each in whole), ()
+
+
+def _kept_apart(whole: Sequence[tuple[Recording, Measured]]) -> Parts:
+    """What would be fitted, and test data; nothing to fit where a lone recording is too short to be cut."""
+    if any(data.t[-1] < SHORTEST_CUT_RECORDING for _, data in whole):
         return _apart(whole)
-    halves = [] if short else [_halves(*each) for each in whole]
-    if len(whole) == 1 and (short or not moves_long_enough([halves[0][0].data])):
-        return (DataPart(*whole[0], "fit"),), ()
+    halves = [_halves(*each) for each in whole]
     return tuple(first for first, _ in halves), tuple(last for _, last in halves)
 
 

@@ -23,7 +23,7 @@ SHORTEST_RECORDING = 0.5
 """Smallest length of one recording [s]: a window."""
 REMEDY = (
     f"at least {LEAST_MOVING_TIME:g} s of motion to fit are needed, three windows of 0.5 s; several short recordings"
-    " add up, of which the last ones are test data if no others are given (check)"
+    " add up"
 )
 LEAST_RATE = 20.0
 """Smallest rate [Hz]: below it accelerations of an arm cannot be seen, and the clock is probably in ms."""
