@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from flexdyn.batch import distributions, studyfile
+from flexdyn.diagnose.compared import report_file
 from flexdyn.io import yaml
 from flexdyn.records import bounds, meta, table
 from flexdyn.records.apart import server as limits
@@ -40,6 +41,7 @@ ROWS = (
     ("every YAML file", f"{yaml.MAX_YAML_BYTES:,} bytes; {yaml.MAX_DEPTH} lists and mappings in each other"),
     ("", f"{yaml.MAX_NODES:,} entries once aliases are unfolded; {yaml.MAX_BRACKETS:,} open brackets"),
     ("study", f"{studyfile.MAX_RUNS:,} runs; {distributions.MAX_GRID:,} values in a grid"),
+    ("report.json of a diagnosis", f"{report_file.MAX_REPORT_BYTES:,} bytes"),
     (
         "URDF",
         f"{xmlfile.MAX_URDF_BYTES:,} bytes; 256 elements in each other; {xmlfile.MAX_ATTRIBUTES:,} attributes in one",

@@ -10,7 +10,9 @@ import pytest
 from scipy.stats import chi2
 
 import flexdyn as fd
+from flexdyn.diagnose.compared import report_file
 from flexdyn.diagnose.compared.models import CHANCE, _same
+from flexdyn.diagnose.report.document import SCHEMA
 from flexdyn.diagnose.report.suspects import Number
 from tests.diagnose.answers import dry_elbow
 
@@ -45,6 +47,15 @@ def test_the_probability_is_that_of_chi_squared() -> None:
     draw = np.random.default_rng(0)
     moved = sum(_same([Number(float(v), 1.0, "N") for v in row])[1] == "moved" for row in draw.normal(50, 1, (4000, 3)))
     assert moved / 4000 == pytest.approx(CHANCE, abs=0.003)
+
+
+def test_numbers_of_any_size_are_compared() -> None:
+    """The unit does not matter, even where squares of the numbers would be infinite or 0."""
+    for size in (1e-300, 1.0, 1e300):
+        assert _same([Number(each * size, 0.01 * size, "N") for each in (1.0, 1.001)])[1] == "stayed"
+        assert _same([Number(each * size, 0.01 * size, "N") for each in (1.0, 1.1)])[1] == "moved"
+    assert _same([Number(1.0, 0.0, "N"), Number(1.0, 0.0, "N")]) == (1.0, "stayed")
+    assert _same([Number(0.0, 1e300, "N"), Number(1.0, 1e-300, "N")])[1] == "not told"
 
 
 def test_effects_come_and_go() -> None:
@@ -118,7 +129,7 @@ def test_an_absent_effect_has_the_probability_that_was_computed(diagnosed: tuple
 
 
 def test_mistakes_are_one_line(tmp_path: Path) -> None:
-    """One model, another arm, wrong labels, a folder without a model, a report that is none."""
+    """One model, another arm, wrong labels, a folder without a model."""
     for wrong, words in (
         (([ARM],), "one model alone"),
         (([ARM, fd.load_model("ur5")],), "different arms"),
@@ -128,7 +139,44 @@ def test_mistakes_are_one_line(tmp_path: Path) -> None:
     ):
         with pytest.raises(fd.InputError, match=words):
             fd.compare_models(*wrong)
+
+
+COOL = {"effect": "x", "joint": None, "side": None, "parameters": {}, "probability": 0.5}
+WRONG = {
+    "schema": [{}, 3, [], {"schema": None}, {"schema": "other"}, {"schema": f"{SCHEMA[:-1]}99"}, {"schema": [SCHEMA]}],
+    "findings": [3, None, [1], [{}], [{"effect": "x"}], [{**COOL, "parameters": [1]}], [{**COOL, "effect": []}]],
+    "findings[0].probability": [[{**COOL, "probability": each}] for each in ("1", True, -1, 10**400, [], {})],
+    "findings[0].parameters.a": [[{**COOL, "parameters": {"a": each}}] for each in (1, {}, {"value": 1, "std": -1})],
+    "findings[0].of": [[{**COOL, "effect": "parameter_error"}]],
+    "considered": [3, {}, [[]], [{**COOL, "joint": 3}], [{**COOL, "side": {}}], [{**COOL, "channel": None}]],
+    "calibration": [{}, [{}], [{"of": "elbow", "parameter": None}], [{"of": "a", "parameter": "b", "factor": "c"}]],
+}
+"""Contents of a report that no diagnosis wrote, by the key that the refusal names."""
+
+
+@pytest.mark.parametrize("key", WRONG)
+def test_a_report_of_a_wrong_shape_is_refused(key: str, tmp_path: Path) -> None:
+    """One line names the file and the key, whatever stands where a list, an object, a text or a number belongs."""
     fd.save_model(ARM, tmp_path / "model.yaml")
-    (tmp_path / "report.json").write_text(json.dumps({"schema": "other"}), encoding="utf-8")
-    with pytest.raises(fd.InputError, match="no report of a diagnosis"):
+    whole = {"schema": SCHEMA, "findings": [COOL], "calibration": [], "considered": [COOL]}
+    report = tmp_path / "report.json"
+    report.write_text(json.dumps(whole), encoding="utf-8")
+    fd.compare_models([ARM, tmp_path])
+    name = key.partition("[")[0]
+    for wrong in WRONG[key]:
+        report.write_text(json.dumps(wrong if key == "schema" else whole | {name: wrong}), encoding="utf-8")
+        with pytest.raises(fd.InputError, match="report of a diagnosis") as told:
+            fd.compare_models([ARM, tmp_path])
+        assert str(told.value).startswith(f"{report}: {key}"), wrong
+
+
+def test_a_report_that_is_not_json_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Open brackets without end, NaN, other encodings, a report that ends early, and one that is too large."""
+    fd.save_model(ARM, tmp_path / "model.yaml")
+    for data in (b"", b"{", b"[" * 200_000, b'{"schema": NaN}', b"\xff", b"9" * 5000):
+        (tmp_path / "report.json").write_bytes(data)
+        with pytest.raises(fd.InputError, match=r"not valid JSON|not a text file|no report"):
+            fd.compare_models([ARM, tmp_path])
+    monkeypatch.setattr(report_file, "MAX_REPORT_BYTES", 10)
+    with pytest.raises(fd.InputError, match="larger than 10 bytes"):
         fd.compare_models([ARM, tmp_path])

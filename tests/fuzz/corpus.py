@@ -59,6 +59,19 @@ joints: {shoulder: &a {rotor_inertia: 0.1, stiffness: 40.0}}
 effects: [{effect: end_stop, joint: shoulder, lower: -1.0, upper: 1.0, stiffness: 1.0e+4, damping: 10.0}]
 """
 
+REPORT = b"""\
+{"schema": "flexdyn.diagnosis/2", "verdict": "explained",
+ "findings": [
+  {"effect": "backlash", "joint": "elbow", "side": null, "probability": 0.998,
+   "parameters": {"half_gap": {"value": 1.2e-3, "std": 5e-5, "interval": [1.1e-3, 1.3e-3], "unit": "rad"}}},
+  {"effect": "parameter_error", "joint": "elbow", "side": null, "of": "elbow", "parameter": "stiffness",
+   "parameters": {"factor": {"value": 0.9, "std": 0.01}}, "probability": 1}],
+ "calibration": [{"of": "shoulder", "parameter": "rotor_inertia", "factor": 0.98, "std": null, "tolerance": 0.03},
+  {"of": "effects[1]", "parameter": "level", "factor": 1.1, "std": 0.1}],
+ "considered": [{"effect": "coulomb_friction", "joint": "elbow", "side": "link", "parameters": {}, "probability": 0.4},
+  {"effect": "sensor_offset", "channel": "q.elbow", "parameters": {}, "probability": null}]}
+"""
+
 STUDY = b"""\
 flexdyn_study: 1
 model: model.yaml
@@ -189,6 +202,12 @@ def models(folder: Path) -> list[bytes]:
     """Model files, and the URDF that one of them names."""
     (folder / "arm.urdf").write_bytes(URDF)
     return [MODEL, LOCKED]
+
+
+def reports(folder: Path) -> list[bytes]:
+    """A report of a diagnosis, and the model that it belongs to."""
+    (folder / "model.yaml").write_bytes(MODEL)
+    return [REPORT]
 
 
 def studies(folder: Path) -> list[bytes]:

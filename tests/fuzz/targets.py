@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import flexdyn as fd
@@ -66,6 +67,18 @@ def _study(folder: Path, data: bytes) -> None:
     read_study(folder / "input.yaml")
 
 
+@cache
+def _before(folder: Path) -> fd.FlexibleJointModel:
+    return fd.load_model(folder / "model.yaml")
+
+
+def _report(folder: Path, data: bytes) -> None:
+    (folder / "report.json").write_bytes(data)
+    found = fd.compare_models([_before(folder), folder / "model.yaml"])
+    json.dumps(found.to_dict())
+    str(found)
+
+
 def _map(folder: Path, data: bytes) -> None:
     (folder / "input.yaml").write_bytes(data)
     fd.read_recording(folder / "log.csv", map=folder / "input.yaml")
@@ -96,6 +109,7 @@ TARGETS = (
     Target("URDF", ".urdf", lambda folder: [corpus.URDF], any_text, _urdf, 6),
     Target("study", ".yaml", corpus.studies, any_text, _study, 0.6),
     Target("channel map", ".yaml", corpus.maps, any_text, _map, 2.5),
+    Target("report", ".json", corpus.reports, any_text, _report, 0.6),
     Target("command line", ".txt", command_line.prepare, a_number, command_line.run, 0.4, batch=200),
     Target("border of the core", ".txt", lambda folder: [b""], a_number, core_border.run, 4, batch=500),
 )

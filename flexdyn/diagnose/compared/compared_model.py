@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 from collections.abc import Mapping
@@ -10,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from flexdyn.diagnose.compared.report_file import read_report
 from flexdyn.diagnose.report.calibrated import FACTOR, given_number
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Number
@@ -52,7 +52,7 @@ def compared_model(given: Given, label: str) -> ComparedModel:
         label: its name in the tables.
 
     Raises:
-        InputError: there is no such file or folder, or it holds no model or report.
+        InputError: there is no such file or folder, or it holds no model, or a report that is not read.
     """
     if isinstance(given, Diagnosis):
         return _compared(given.model, given.to_dict(), label)
@@ -68,20 +68,7 @@ def compared_model(given: Given, label: str) -> ComparedModel:
         remedy = f"a folder of a diagnosis with {MODEL} is needed; it is not written where it would be a worse model"
         raise InputError("the folder holds no corrected model", file=path, key=MODEL, remedy=remedy)
     model, report = load_model(file), file.with_name(REPORT)
-    return _compared(model, _read(report) if file.name == MODEL and report.exists() else {}, label)
-
-
-def _read(report: Path) -> dict[str, Any]:
-    """The content of a report of a diagnosis; refuses any other file."""
-    try:
-        content: dict[str, Any] = json.loads(report.read_text(encoding="utf-8"))
-        schema = str(content["schema"])
-    except (ValueError, KeyError, TypeError):
-        schema = ""
-    if not schema.startswith("flexdyn.diagnosis/"):
-        remedy = "flexdyn diagnose writes one"
-        raise InputError("it is no report of a diagnosis", file=report, key="schema", remedy=remedy)
-    return content
+    return _compared(model, read_report(report) if file.name == MODEL and report.exists() else {}, label)
 
 
 def _compared(model: FlexibleJointModel, report: Mapping[str, Any], label: str) -> ComparedModel:

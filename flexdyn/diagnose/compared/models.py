@@ -220,21 +220,23 @@ def _same(values: Sequence[Number]) -> tuple[float, Verdict]:
     known = [each for each in values if math.isfinite(each.value) and math.isfinite(each.std)]
     if len(known) < 2:
         return math.nan, "not told"
-    mean = sum(each.value for each in known) / len(known)
-    widest = max(each.std for each in known)
+    scale = max(max(abs(each.value), each.std) for each in known) or 1.0  # huge and tiny numbers have no squares
+    x, std = ([part / scale for part in parts] for parts in zip(*((e.value, e.std) for e in known), strict=True))
+    widest = max(std)
     if widest == 0.0:
-        same = all(each.value == known[0].value for each in known)
+        same = all(each == x[0] for each in x)
         return (1.0, "stayed") if same else (0.0, "moved")
     from scipy.special import gammaincc
 
-    weights = [1.0 / max(each.std, 1e-9 * widest) ** 2 for each in known]
-    middle = sum(w * each.value for w, each in zip(weights, known, strict=True)) / sum(weights)
-    Q = sum(w * (each.value - middle) ** 2 for w, each in zip(weights, known, strict=True))
+    weights = [max(each / widest, 1e-9) ** -2.0 for each in std]
+    middle = sum(w * each for w, each in zip(weights, x, strict=True)) / sum(weights)
+    away = [(each - middle) / widest for each in x]
+    Q = sum(w * each * each for w, each in zip(weights, away, strict=True))
     probability = float(gammaincc(0.5 * (len(known) - 1), 0.5 * Q))
     if probability < CHANCE:
         return probability, "moved"
     least = 3.0 * math.sqrt(2.0) * widest  # a change between two that three standard deviations of it would show
-    return probability, "stayed" if least <= SMALL_CHANGE * abs(mean) else "not told"
+    return probability, "stayed" if least <= SMALL_CHANGE * abs(sum(x) / len(x)) else "not told"
 
 
 def _effect(name: str, models_: Sequence[ComparedModel]) -> EffectOverModels:

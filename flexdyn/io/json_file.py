@@ -1,0 +1,42 @@
+"""JSON files as untrusted input: bounded size, UTF-8, no NaN, errors of one line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, NoReturn
+
+from flexdyn.errors import InputError
+
+
+def read_json(path: Path, most: int) -> Any:
+    """Read a JSON file; infinite numbers and NaN, which JSON does not have, are refused.
+
+    Args:
+        path: of the file.
+        most: largest size that is read [bytes].
+
+    Raises:
+        InputError: no such file, a file that is too large, or not JSON.
+    """
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(most + 1)
+    except FileNotFoundError:
+        raise InputError("there is no such file", file=path) from None
+    except OSError as error:
+        raise InputError(f"it cannot be read ({error.strerror})", file=path) from None
+    if len(data) > most:
+        raise InputError(f"the file is larger than {most} bytes", file=path, remedy="give the file as it was written")
+    try:
+        return json.loads(data.decode("utf-8"), parse_constant=_refuse)
+    except UnicodeDecodeError:
+        raise InputError("it is not a text file in UTF-8", file=path) from None
+    except RecursionError:
+        raise InputError("not valid JSON (lists and objects nest too deep)", file=path) from None
+    except ValueError as error:
+        raise InputError(f"not valid JSON ({str(error)[:200]})", file=path) from None
+
+
+def _refuse(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is no number of JSON")
