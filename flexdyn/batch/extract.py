@@ -12,6 +12,7 @@ import numpy as np
 
 from flexdyn.batch.cases import cases_of
 from flexdyn.batch.draws import drawn
+from flexdyn.batch.rehearsal import check_paths
 from flexdyn.batch.study import Study
 from flexdyn.checks import whole
 from flexdyn.control.commands import PD
@@ -57,7 +58,9 @@ def extract(study: Study, k: int, folder: Path) -> Extracted:
     """
     last = study.count - 1
     whole("extract", k, 0, last, problem="there is no such run", remedy=f"runs are 0 to {last}")
-    case = cases_of(study).case(k)
+    cases = cases_of(study)
+    check_paths(cases)  # the study may be that of a store from elsewhere
+    case = cases.case(k)
     settings = _settings(study.solver)
     make_folder(folder)
     model, command = folder / "model.yaml", _write_command(case.command, folder)

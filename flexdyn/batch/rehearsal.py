@@ -24,10 +24,7 @@ def rehearse(cases: Cases) -> None:
         InputError: an unknown path or metric, or a run that cannot be made.
     """
     kinds = cases.study.kinds
-    for path in kinds:
-        if path not in cases.places:
-            beside = [each for each in cases.places if each.rpartition(".")[0] == path.rpartition(".")[0]]
-            check_known(path, beside or cases.places, "no such number in the model or command", key=f"vary.{path}")
+    check_paths(cases)
     _ = cases.metrics
     middle = {path: kind.centre for path, kind in kinds.items()}
     try:
@@ -42,6 +39,21 @@ def rehearse(cases: Cases) -> None:
                 cases.job(cases.case_of(middle | {path: value}))
             except FlexdynError as error:
                 raise InputError(f"a run with {value:g} cannot be made ({error})", key=f"vary.{path}") from None
+
+
+def check_paths(cases: Cases) -> None:
+    """Check that the model or the command has every number that varies.
+
+    Args:
+        cases: of the study.
+
+    Raises:
+        InputError: an unknown path.
+    """
+    for path in cases.study.vary:
+        if path not in cases.places:
+            beside = [each for each in cases.places if each.rpartition(".")[0] == path.rpartition(".")[0]]
+            check_known(path, beside or cases.places, "no such number in the model or command", key=f"vary.{path}")
 
 
 def digests(cases: Cases) -> dict[str, str]:

@@ -16,6 +16,7 @@ from flexdyn.arrays import Array, Indices
 from flexdyn.batch.extract import Extracted, extract
 from flexdyn.batch.layout import DONE, NOT_DONE
 from flexdyn.batch.store import open_store
+from flexdyn.batch.stored_study import check_arrays
 from flexdyn.batch.study import Study
 from flexdyn.batch.summary import Summary, metric_summary, parameter_summary, reasons_of
 from flexdyn.errors import InputError, needed, visible
@@ -223,11 +224,12 @@ class Results(Public):
         with needed("xarray", "batch"):
             import xarray
         try:
-            found = xarray.open_zarr(self.path, chunks=chunks, consolidated=True)
-        except (OSError, ValueError, KeyError, TypeError, RuntimeError) as error:
+            found = xarray.open_zarr(self.path, chunks=chunks, consolidated=True, zarr_format=3, decode_times=False)
+            check_arrays(found, self.study)
+            told = {stored: each.attrs.get("name") for stored, each in found.data_vars.items()}
+            return found.rename({stored: name for stored, name in told.items() if name is not None})
+        except Exception as error:  # zarr and xarray raise various exceptions for unusual metadata
             raise self._damaged("the metadata", error) from None
-        told = {stored: each.attrs.get("name") for stored, each in found.data_vars.items()}
-        return found.rename({stored: name for stored, name in told.items() if name is not None})
 
     def _read(self, array: Any) -> NDArray[Any]:
         """Numbers of an array.
@@ -237,7 +239,7 @@ class Results(Public):
         """
         try:
             return np.asarray(array.values)
-        except (OSError, ValueError, RuntimeError) as error:
+        except Exception as error:  # of its codecs, likewise; memory, where a piece says that it unpacks to terabytes
             raise self._damaged(str(array.name), error) from None
 
     def _damaged(self, what: str, error: Exception) -> InputError:

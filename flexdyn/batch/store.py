@@ -6,7 +6,6 @@ with correct checksums.
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import warnings
@@ -19,8 +18,10 @@ from typing import Any
 from flexdyn.batch.cases import cases_of
 from flexdyn.batch.layout import StoreArray, layouts
 from flexdyn.batch.pieces import LEVEL, is_whole, write_piece
+from flexdyn.batch.stored_study import MAX_STORE_BYTES, MAX_STUDY_LETTERS, stored_study
 from flexdyn.batch.study import Study
 from flexdyn.errors import InputError, check_installed
+from flexdyn.io.json_file import read_json
 
 STORE_FORMAT = 1
 _FILE = "zarr.json"
@@ -34,11 +35,17 @@ def create(study: Study, path: Path) -> Store:
         path: of a folder that does not exist yet.
 
     Raises:
-        InputError: it cannot be made there.
+        InputError: it cannot be made there, or is too large to be opened again.
         MissingExtra: zarr is not installed.
     """
     check_installed("zarr", "batch")  # at the start, not at the end of a long study
+    if len(study.to_text()) > MAX_STUDY_LETTERS:
+        problem = f"the study is longer than the {MAX_STUDY_LETTERS} letters that a store can have"
+        raise InputError(problem, file=path, remedy="vary less, or give the values of a grid as a distribution")
     with writing(path, "give another place"), _skeleton(study, path) as fresh:
+        if (fresh / _FILE).stat().st_size > MAX_STORE_BYTES:
+            problem = f"the metadata of its arrays are larger than {MAX_STORE_BYTES} bytes"
+            raise InputError(problem, file=path, remedy="vary fewer numbers")
         os.rename(fresh, path)
     return Store(path, study)
 
@@ -58,10 +65,10 @@ def open_store(path: str | Path) -> Store:
     if not folder.exists():
         raise InputError("there is no such store", file=path)
     try:
-        attrs = json.loads((folder / _FILE).read_bytes())["attributes"]
+        attrs = read_json(folder / _FILE, MAX_STORE_BYTES)["attributes"]
         found = attrs.get("flexdyn_batch")
-        study = Study.from_text(attrs["study"]) if found == STORE_FORMAT else None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        study = stored_study(attrs["study"]) if found == STORE_FORMAT else None
+    except (InputError, KeyError, TypeError, AttributeError, IndexError):
         remedy = "give the path of what flexdyn batch wrote; if this is it, its zarr.json is damaged"
         raise InputError("not the store of a batch study", file=path, remedy=remedy) from None
     if study is None:

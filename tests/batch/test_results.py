@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +14,9 @@ import pytest
 import flexdyn as fd
 from flexdyn.batch.results import Results, open_results
 from flexdyn.batch.run_study import run_study
+from flexdyn.batch.stored_study import MAX_STORE_BYTES, MAX_STUDY_LETTERS
 from flexdyn.batch.summary import reasons_of
+from flexdyn.io.yaml import dump_yaml
 from tests.batch.small import FORCE, pulse_study
 
 OWN = """
@@ -185,6 +189,63 @@ def test_a_damaged_piece_is_said(results: Results, tmp_path: Path) -> None:
     piece.write_bytes(content)
     with pytest.raises(fd.InputError, match=r"broken\.zarr: q cannot be read \(.*--resume: it redoes"):
         open_results(broken).plot(views=["trajectories"])
+
+
+WRONG_STUDIES = ({"runs": 0}, {"points": 10**9}, {"chunk": "1"}, {"seed": "x"}, {"rate": -1.0}, {"duration": math.inf})
+WRONG_STUDIES += ({"vary": {"a": 3}}, {"vary": []}, {"keep": ["nothing"]}, {"metrics": [3]}, {"solver": {"name": "x"}})
+WRONG_STUDIES += ({"model": 3}, {"command": {"pd": 3}}, {"command": 3}, {"files": []}, {"unknown": 1}, {"folder": None})
+
+
+def changed(store: Path, content: Any) -> Path:
+    """The same store with other metadata."""
+    (store / "zarr.json").write_text(content if isinstance(content, str) else json.dumps(content), encoding="utf-8")
+    return store
+
+
+def test_metadata_that_no_study_wrote_are_refused(results: Results, tmp_path: Path) -> None:
+    """One line, before any number is read: a study with wrong entries, text that is none, JSON that is too deep."""
+    broken = Path(shutil.copytree(results.path, tmp_path / "broken.zarr"))
+    content = json.loads((broken / "zarr.json").read_text(encoding="utf-8"))
+    attributes = content["attributes"]
+    studies: list[Any] = [dump_yaml(results.study.to_dict() | wrong) for wrong in WRONG_STUDIES]
+    studies += ["", "{", 3, None, "x" * (MAX_STUDY_LETTERS + 1)]
+    wrong = [content | {"attributes": attributes | {"study": study}} for study in studies]
+    for each in (*wrong, [], {}, 3, {"attributes": []}, "[" * 200_000, "NaN", " " * (MAX_STORE_BYTES + 1)):
+        with pytest.raises(fd.InputError, match=r"broken\.zarr: not the store of a batch study"):
+            open_results(changed(broken, each))
+
+
+@pytest.mark.parametrize(
+    ("array", "entries"),
+    [
+        ("q", {"shape": [40, 101, 10**12]}),
+        ("status", {"shape": [10**12]}),
+        ("status", {"dimension_names": ["time"]}),
+        ("residual_vibration", {"data_type": "complex128"}),
+        ("joints.lift.stiffness", None),
+        ("time", {"codecs": [{"name": "pickle"}]}),
+    ],
+)
+def test_arrays_that_are_not_those_of_the_study_are_refused(
+    results: Results, array: str, entries: dict[str, Any] | None, tmp_path: Path
+) -> None:
+    """Another shape, another kind of numbers, no such array, an unknown codec: no memory is taken for it."""
+    broken = Path(shutil.copytree(results.path, tmp_path / "broken.zarr"))
+    content = json.loads((broken / "zarr.json").read_text(encoding="utf-8"))
+    arrays = content["consolidated_metadata"]["metadata"]
+    arrays.pop(array) if entries is None else arrays[array].update(entries)
+    with pytest.raises(fd.InputError, match=r"broken\.zarr: the metadata cannot be read \(.*--resume"):
+        open_results(changed(broken, content)).summary()
+
+
+def test_a_run_of_a_study_with_an_unknown_number_is_refused(results: Results, tmp_path: Path) -> None:
+    """A store may come from elsewhere: its numbers are looked for in its model."""
+    broken = Path(shutil.copytree(results.path, tmp_path / "broken.zarr"))
+    content = json.loads((broken / "zarr.json").read_text(encoding="utf-8"))
+    study = results.study.to_dict() | {"vary": {"joints.lift.stifness": {"uniform": [1.0, 2.0]}}}
+    content["attributes"]["study"] = dump_yaml(study)
+    with pytest.raises(fd.InputError, match="no such number in the model or command"):
+        open_results(changed(broken, content)).extract(0, tmp_path / "run")
 
 
 def test_there_is_no_store(tmp_path: Path) -> None:

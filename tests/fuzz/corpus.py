@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import io
+import shutil
+import zipfile
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -10,6 +13,7 @@ import h5py
 import numpy as np
 import pytest
 
+import flexdyn as fd
 from flexdyn.records import Recording, write_recording
 from flexdyn.records.matlab import file as mat_file
 from tests.records.ros_bags import JOINT_STATE, Maker
@@ -216,6 +220,21 @@ def studies(folder: Path) -> list[bytes]:
     rest = np.linspace(0.0, 0.02, 5)
     write_recording(Recording(rest, {"tau.shoulder": rest, "tau.elbow": rest}), folder / "run.csv")
     return [STUDY, GRID]
+
+
+def stores(folder: Path) -> list[bytes]:
+    """Archives of stores: of a study that is done, and of one that lacks a chunk."""
+    (folder / "study.yaml").write_bytes(studies(folder)[1])
+    place = folder / "seed.zarr"
+    if not place.exists():
+        fd.run_study(folder / "study.yaml", place)
+    whole = shutil.make_archive(str(folder / "whole"), "zip", place)
+    left = io.BytesIO()
+    with zipfile.ZipFile(whole) as source, zipfile.ZipFile(left, "w") as copy:
+        for name in source.namelist():
+            if "/c.1" not in name:
+                copy.writestr(name, source.read(name))
+    return [Path(whole).read_bytes(), left.getvalue()]
 
 
 def maps(folder: Path) -> list[bytes]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
+import json
 import random
 import re
 import struct
@@ -143,6 +145,36 @@ def any_archive(rng: random.Random, seeds: Sequence[bytes]) -> bytes:
         for name, data in members.items():
             archive.writestr(rng.choice(("t.npy", "x", "../q.npy")) if rng.random() < 0.05 else name, data)
     return made.getvalue()
+
+
+def any_store(rng: random.Random, seeds: Sequence[bytes]) -> bytes:
+    """An archive of a Zarr store with damage to one file, most often to the metadata, which hold the study."""
+    with zipfile.ZipFile(io.BytesIO(rng.choice(seeds))) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    name = "zarr.json" if rng.random() < 0.8 else rng.choice(list(members))
+    members[name] = _other_metadata(rng, members[name]) if name == "zarr.json" else any_bytes(rng, [members[name]])
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w") as archive:
+        for name, data in members.items():
+            archive.writestr(name, data)
+    return made.getvalue()
+
+
+def _other_metadata(rng: random.Random, data: bytes) -> bytes:
+    """Other text anywhere, in the study that stands in it, or in what it says of one array."""
+    kind, content = rng.choice(("text", "study", "study", "array")), json.loads(data)
+    if kind == "text":
+        return any_text(rng, [data])
+    if kind == "study":
+        content["attributes"]["study"] = any_text(rng, [content["attributes"]["study"].encode()]).decode(
+            errors="replace"
+        )
+    else:
+        arrays = content["consolidated_metadata"]["metadata"]
+        chosen = rng.choice(list(arrays))
+        with contextlib.suppress(ValueError):  # JSON no more: it stays as it was
+            arrays[chosen] = json.loads(any_text(rng, [json.dumps(arrays[chosen]).encode()]))
+    return json.dumps(content).encode()
 
 
 def a_number(rng: random.Random, seeds: Sequence[bytes]) -> bytes:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import io
 import json
+import shutil
+import zipfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache, partial
 from pathlib import Path
 
 import flexdyn as fd
+from flexdyn.batch.results import open_results
 from flexdyn.batch.studyfile import read_study
 from flexdyn.records.apart import caller
 from tests.fuzz import command_line, core_border, corpus
-from tests.fuzz.mutate import Mutator, a_number, any_archive, any_bytes, any_text
+from tests.fuzz.mutate import Mutator, a_number, any_archive, any_bytes, any_store, any_text
 
 
 @dataclass(frozen=True)
@@ -79,6 +83,17 @@ def _report(folder: Path, data: bytes) -> None:
     str(found)
 
 
+def _store(folder: Path, data: bytes) -> None:
+    place = folder / "store.zarr"
+    shutil.rmtree(place, ignore_errors=True)
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        archive.extractall(place)
+    results = open_results(place)
+    json.dumps(asdict(results.summary()))
+    assert repr(results).isprintable()
+    results.extract(0, folder / "extracted")
+
+
 def _map(folder: Path, data: bytes) -> None:
     (folder / "input.yaml").write_bytes(data)
     fd.read_recording(folder / "log.csv", map=folder / "input.yaml")
@@ -110,6 +125,7 @@ TARGETS = (
     Target("study", ".yaml", corpus.studies, any_text, _study, 0.6),
     Target("channel map", ".yaml", corpus.maps, any_text, _map, 2.5),
     Target("report", ".json", corpus.reports, any_text, _report, 0.6),
+    Target("store", ".zip", corpus.stores, any_store, _store, 0.6),
     Target("command line", ".txt", command_line.prepare, a_number, command_line.run, 0.4, batch=200),
     Target("border of the core", ".txt", lambda folder: [b""], a_number, core_border.run, 4, batch=500),
 )

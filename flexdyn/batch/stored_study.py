@@ -1,0 +1,105 @@
+"""What a store's metadata say, as untrusted input: the study, and the arrays that must be those of the study."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+from flexdyn.batch.distributions import distribution
+from flexdyn.batch.layout import array_name
+from flexdyn.batch.study import Study
+from flexdyn.batch.studyfile import MAX_RUNS
+from flexdyn.checks import check_known, number, whole
+from flexdyn.control.commands import checked_rate
+from flexdyn.errors import InputError
+from flexdyn.io.yaml import check_keys, parse_yaml
+from flexdyn.robot.urdf import MAX_JOINTS
+from flexdyn.simulation.inputs_and_signals import SIGNALS
+from flexdyn.simulation.job import MAX_SAMPLES
+from flexdyn.simulation.solvers import make_solver
+
+MAX_STORE_BYTES = 20_000_000
+"""Largest size of a store's zarr.json [bytes]: the study, and a kilobyte for each number that varies."""
+MAX_STUDY_LETTERS = 2_000_000
+"""Largest length of the study in it: a study file of the largest size, with every number written out."""
+
+
+def stored_study(text: Any) -> Study:
+    """The study in the metadata of a store; its files may be gone, so that they are not looked at.
+
+    Args:
+        text: from `Study.to_text`.
+
+    Raises:
+        InputError: it is no study, or holds a number or name that no study has.
+    """
+    if not isinstance(text, str) or len(text) > MAX_STUDY_LETTERS:
+        raise InputError(f"a study of up to {MAX_STUDY_LETTERS} letters is needed", key="study")
+    content = parse_yaml(text)
+    names = [each.name for each in fields(Study)]
+    check_keys(content, names, required=names)
+    for key, kind in (("name", str), ("folder", str), ("model", Mapping), ("solver", Mapping), ("files", Mapping)):
+        _check(key, content[key], kind)
+    command = content["command"]
+    if isinstance(command, Mapping):
+        check_keys(command, ("pd",), required=("pd",), key="command")
+        _check("command.pd", command["pd"], Mapping)
+        for key in ("reference", "feedforward"):
+            _check(f"command.pd.{key}", command["pd"].get(key), (str, type(None)))
+    else:
+        _check("command", command, (str, type(None)))
+    _check_runs(content)
+    _check("solver.name", content["solver"].get("name"), str)
+    if content["solver"] != {"name": "auto"}:
+        make_solver(**{str(key): value for key, value in content["solver"].items()})
+    for key in ("keep", "metrics"):
+        _check(key, content[key], list)
+        for name in content[key]:
+            _check(key, name, str)
+    for name in content["keep"]:
+        check_known(name, SIGNALS, "no such channel", key="keep", value=name)
+    return Study.from_dict(content)
+
+
+def _check_runs(content: Mapping[str, Any]) -> None:
+    """Check how many runs there are, how long they are, and how each number varies."""
+    runs, points = (whole(key, content[key], 1, MAX_RUNS) for key in ("runs", "points"))
+    whole("runs", runs * points, 1, MAX_RUNS)
+    whole("chunk", content["chunk"], 1, MAX_RUNS)
+    whole("seed", content["seed"], 0)
+    number("duration", content["duration"], above=0.0)
+    checked_rate("rate", content["rate"])
+    _check("vary", content["vary"], Mapping)
+    for path, entry in content["vary"].items():
+        _check("vary", path, str)
+        distribution(entry)
+
+
+def _check(key: str, value: Any, kind: type | tuple[type, ...]) -> None:
+    if not isinstance(value, kind):
+        raise InputError("it is of another kind than in a study", key=key, value=value)
+
+
+def check_arrays(found: Any, study: Study) -> None:
+    """Check that the arrays of a store have the shapes and kinds that the study gives them.
+
+    Args:
+        found: xarray.Dataset of them, as they are called in the store.
+        study: of the store.
+
+    Raises:
+        InputError: an array is missing, or is another.
+    """
+    run = ("run",)
+    shapes = {"run": (run, "i"), "time": (("time",), "f"), "joint": (("joint",), "OTU"), "status": (run, "OTU")}
+    shapes |= dict.fromkeys(study.keep, (("run", "time", "joint"), "f"))
+    shapes |= {array_name(name): (run, "f") for name in (*study.vary, *study.metrics)}
+    for name, (dims, kinds) in shapes.items():
+        if name not in found.variables:
+            raise InputError("the array is missing", key=name)
+        array = found.variables[name]
+        if array.dims != dims or array.dtype.kind not in kinds:
+            raise InputError("the array is not that of the study", key=name)
+    if found.sizes["run"] != study.count or found.sizes["time"] > MAX_SAMPLES or found.sizes["joint"] > MAX_JOINTS:
+        raise InputError("the arrays have another size than those of the study", value=dict(found.sizes))
