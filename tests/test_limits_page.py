@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from flexdyn.batch import distributions, studyfile
+from flexdyn.batch import distributions, stored_study, studyfile
 from flexdyn.diagnose.compared import report_file
 from flexdyn.io import yaml
 from flexdyn.records import bounds, meta, table
@@ -13,7 +13,8 @@ from flexdyn.records.csv import file as csv_file
 from flexdyn.records.hdf5 import file as hdf5_file
 from flexdyn.records.matlab import columns, v73
 from flexdyn.records.ros import definitions, guard, walk
-from flexdyn.robot import urdf, values, xmlfile
+from flexdyn.robot import meshes, urdf, values, xmlfile
+from flexdyn.viewer import bodies
 
 PAGE = Path(__file__).parents[1] / "docs" / "limits.md"
 MIB = 2**20
@@ -41,12 +42,16 @@ ROWS = (
     ("every YAML file", f"{yaml.MAX_YAML_BYTES:,} bytes; {yaml.MAX_DEPTH} lists and mappings in each other"),
     ("", f"{yaml.MAX_NODES:,} entries once aliases are unfolded; {yaml.MAX_BRACKETS:,} open brackets"),
     ("study", f"{studyfile.MAX_RUNS:,} runs; {distributions.MAX_GRID:,} values in a grid"),
+    ("store of a study", f"{stored_study.MAX_STORE_BYTES:,} bytes in zarr.json; arrays with the shapes of the study"),
+    ("", f"{stored_study.MAX_STUDY_LETTERS:,} letters in the study that it holds"),
     ("report.json of a diagnosis", f"{report_file.MAX_REPORT_BYTES:,} bytes"),
     (
         "URDF",
         f"{xmlfile.MAX_URDF_BYTES:,} bytes; 256 elements in each other; {xmlfile.MAX_ATTRIBUTES:,} attributes in one",
     ),
     ("", f"{urdf.MAX_LINKS:,} links; {urdf.MAX_JOINTS} joints that move; {values.LONGEST_NAME} letters in a name"),
+    ("mesh", f"{meshes.MAX_MESH_BYTES:,} bytes; {meshes.MAX_MESHES_BYTES:,} bytes in all meshes of a robot"),
+    ("", f"{bodies.LARGEST_MESH:,} triangles in a page, {bodies.LARGEST_ARM:,} of all meshes"),
 )
 
 

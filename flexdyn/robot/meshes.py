@@ -18,6 +18,10 @@ from flexdyn.robot.names import example_data_dir
 from flexdyn.robot.text import urdf_text
 
 MESH_SUFFIXES = frozenset({".stl", ".dae", ".obj", ".ply", ".off", ".3ds", ".glb", ".gltf", ".fbx", ".x"})
+MAX_MESH_BYTES = 100_000_000
+"""Largest mesh file that is opened [bytes]; published robots have up to 29 MB."""
+MAX_MESHES_BYTES = 1_000_000_000
+"""Largest size of all mesh files of a robot [bytes]."""
 _SHAPES = ("box", "cylinder", "sphere")
 
 
@@ -144,8 +148,13 @@ def visual_model(model: pin.Model, links: Sequence[Link], joints: Sequence[Robot
         joints: the joints between them.
 
     Returns:
-        The geometry; meshes that cannot be read are left out with one MeshWarning.
+        The geometry; meshes that cannot be read, or are too large, are left out with one MeshWarning for each kind.
     """
+    links, large = _bounded(links)
+    if large:
+        limits = f"{MAX_MESH_BYTES} bytes, or {MAX_MESHES_BYTES} bytes in all"
+        text = f"{len(large)} meshes are larger than {limits}, and are left out of the picture; the first is"
+        warnings.warn(f"{text} {large[0]!r}; reduce its triangles", MeshWarning, stacklevel=3)
     if not links:
         return pin.GeometryModel()
     try:
@@ -157,6 +166,30 @@ def visual_model(model: pin.Model, links: Sequence[Link], joints: Sequence[Robot
     text = f"{len(unread)} meshes cannot be read and are left out of the picture; the first is {unread[0]!r}"
     warnings.warn(text, MeshWarning, stacklevel=3)
     return pin.buildGeomFromUrdfString(model, urdf_text(readable, joints), pin.GeometryType.VISUAL)
+
+
+def _bounded(links: Sequence[Link]) -> tuple[list[Link], list[str]]:
+    """Links without the meshes that are too large, and those meshes."""
+    kept, large, left = [], [], MAX_MESHES_BYTES
+    for link in links:
+        good = []
+        for visual in link.visuals:
+            size = _size(visual.mesh) if visual.mesh else 0
+            if size > min(MAX_MESH_BYTES, left):
+                large.append(visual.mesh)
+                continue
+            left -= size
+            good.append(visual)
+        kept.append(replace(link, visuals=tuple(good)))
+    return kept, large
+
+
+def _size(mesh: str) -> int:
+    """Bytes of a mesh file; none of one that is gone, which then cannot be read."""
+    try:
+        return Path(mesh).stat().st_size
+    except OSError:
+        return 0
 
 
 def _readable(links: Sequence[Link]) -> tuple[list[Link], list[str]]:

@@ -10,8 +10,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from flexdyn.robot import load_robot
-from flexdyn.robot.meshes import MeshWarning
+from flexdyn.robot import load_robot, meshes
+from flexdyn.robot.meshes import MAX_MESH_BYTES, MeshWarning
 
 TRIANGLE = (
     "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
@@ -128,6 +128,22 @@ def test_meshes_that_cannot_be_read_are_left_out_when_shown(tmp_path: Path, writ
         geometry = robot.visual_model()
     assert len(caught) == 1
     assert [Path(item.meshPath).name for item in geometry.geometryObjects] == ["SPHERE", "good.stl"]
+
+
+def test_meshes_that_are_too_large_are_not_opened(
+    tmp_path: Path, write: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One by itself, and those that exceed the limit of all; what fits is shown."""
+    size = put(tmp_path / "small.stl").stat().st_size
+    with (tmp_path / "large.stl").open("wb") as stream:
+        stream.truncate(MAX_MESH_BYTES + 1)
+    robot = load_robot(write(arm_with("large.stl", "small.stl", "small.stl")))
+    for most, left_out in ((2 * size, 1), (size, 2)):
+        monkeypatch.setattr(meshes, "MAX_MESHES_BYTES", most)
+        with pytest.warns(MeshWarning, match=rf"{left_out} meshes are larger than .*large\.stl.*reduce") as caught:
+            geometry = robot.visual_model()
+        assert len(caught) == 1
+        assert len(geometry.geometryObjects) == 4 - left_out
 
 
 def test_shapes_move_with_the_normalised_model(zoo: Path, tmp_path: Path) -> None:
