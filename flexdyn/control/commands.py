@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn.checks import Array, as_numbers, check_known, number
+from flexdyn.control.curves import curve
 from flexdyn.errors import InputError
 
 Interpolation = Literal["hold", "linear", "monotone", "cubic"]
@@ -100,19 +101,12 @@ class Samples:
         return out
 
     def pieces(self, columns: Array) -> tuple[Array, Array, Array]:
-        """Breaks (from 0), polynomial coefficients (segments, degree + 1, width) and the last value, for the core."""
-        t = np.ascontiguousarray(self.t - self.t[0])
-        if self.interpolation == "hold":
-            coef = columns[:-1, None, :]
-        elif self.interpolation == "linear":
-            slope = np.diff(columns, axis=0) / np.diff(t)[:, None]
-            coef = np.stack([columns[:-1], slope], axis=1)
-        else:
-            from scipy.interpolate import CubicSpline, PchipInterpolator
+        """Breaks (from 0), polynomial coefficients (segments, degree + 1, width) and the last value, for the core.
 
-            spline = CubicSpline if self.interpolation == "cubic" else PchipInterpolator
-            coef = spline(t, columns).c[::-1].transpose(1, 0, 2)
-        return t, np.ascontiguousarray(coef), np.ascontiguousarray(columns[-1])
+        Raises:
+            InputError: times or values so large, or so close to each other, that the curve is not finite.
+        """
+        return curve(self.t, columns, self.interpolation)
 
     def at(self, t: Array, columns: Array) -> Array:
         """Columns at times from the first sample on (times, width); after the end their last value."""

@@ -55,6 +55,21 @@ def test_a_first_motion_needs_one_file(tmp_path: Path, capsys: pytest.CaptureFix
     assert not fd.simulate(loaded, duration=0.1).tau.any(), "without a command the torque is zero"
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("interpolation", ["linear", "cubic", "monotone"])
+@pytest.mark.parametrize(
+    ("t", "values"),
+    [([0, 0.5, 1], [0, 2, -1e308]), ([-1e308, 1, 2], [0, 0.5, 0]), ([0, 5e-324, 1], [0, 1, 0])],
+    ids=("large values", "a first time far away", "times too close"),
+)
+def test_points_without_a_finite_curve_are_refused(
+    model: fd.FlexibleJointModel, t: list[float], values: list[float], interpolation: Any
+) -> None:
+    """One line and no warning of NumPy, where a slope would be infinite or two times become one."""
+    with pytest.raises(fd.InputError, match=r"no finite curve goes through them|time must increase"):
+        make_drive(model, fd.Samples(t, {"elbow": values}, interpolation), None)
+
+
 def test_a_command_in_a_model_is_kept(tmp_path: Path, model: fd.FlexibleJointModel) -> None:
     """Saved, loaded, pickled, replaced; locked against change; taken away by None."""
     given = copy.deepcopy(MOVE)

@@ -76,6 +76,13 @@ REPORT = b"""\
   {"effect": "sensor_offset", "channel": "q.elbow", "parameters": {}, "probability": null}]}
 """
 
+COMMANDS = (
+    b"pd: {reference: {t: [0, 1, 2], shoulder: [0, 0.5, 0], interpolation: monotone}, kp: 400, kd: 20, rate: 1000}\n",
+    b"pd:\n  reference: goal.csv\n  kp: {shoulder: 10, elbow: 5.0}\n  kd: [1, 2]\n  interpolation: cubic\n"
+    b"  feedback: theta\n  feedforward: {t: [0.0, 0.02], elbow: [1, 2]}\n",
+    b"torques: {t: [0, 0.5, 1], elbow: [0, 2, 0], interpolation: linear}\n",
+)
+
 STUDY = b"""\
 flexdyn_study: 1
 model: model.yaml
@@ -220,6 +227,32 @@ def studies(folder: Path) -> list[bytes]:
     rest = np.linspace(0.0, 0.02, 5)
     write_recording(Recording(rest, {"tau.shoulder": rest, "tau.elbow": rest}), folder / "run.csv")
     return [STUDY, GRID]
+
+
+def commands(folder: Path) -> list[bytes]:
+    """Command files, and the recording that one of them names."""
+    rest = np.linspace(0.0, 0.02, 5)
+    write_recording(Recording(rest, {"q.shoulder": rest, "q.elbow": -rest}), folder / "goal.csv")
+    return [*COMMANDS]
+
+
+def torques(folder: Path) -> list[bytes]:
+    """Commands as tables: torques of both joints, of one, and with the first state."""
+    return [
+        b"t,tau.shoulder,tau.elbow\n0,1,2\n0.1,1.5,2\n0.2,2,3\n",
+        b"t;tau.elbow [N m]\n0;1,5\n0,1;1,6\n",
+        b"t,q.shoulder,v.elbow,tau.shoulder,tau.elbow\n0,1,0.1,2,0\n0.5,1,0.1,2,1\n1,1,0.1,2,2\n",
+    ]
+
+
+def halves(folder: Path) -> list[bytes]:
+    """Tables that stand beside another one, ``other.csv``, which is there."""
+    write_recording(Recording(T * 1.5, {"tau.wrist": T, "v.wrist": -T}), folder / "other.csv")
+    return [
+        b"t,q.wrist,v.elbow\n0,1,2\n0.1,1.5,2\n0.2,2,3\n0.3,2,3\n0.4,2,3\n",
+        b"# start_ns: 5\nt;q.a [rad];v.a\n0;1,5;2\n0,1;1,6;3\n0,2;1,6;3\n",
+        *written((SMALL,), ".csv", folder),
+    ]
 
 
 def stores(folder: Path) -> list[bytes]:

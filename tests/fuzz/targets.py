@@ -14,7 +14,9 @@ from pathlib import Path
 import flexdyn as fd
 from flexdyn.batch.results import open_results
 from flexdyn.batch.studyfile import read_study
+from flexdyn.cli.recordings import load
 from flexdyn.records.apart import caller
+from flexdyn.simulation.command_input import make_drive
 from tests.fuzz import command_line, core_border, corpus
 from tests.fuzz.mutate import Mutator, a_number, any_archive, any_bytes, any_store, any_text
 
@@ -83,6 +85,22 @@ def _report(folder: Path, data: bytes) -> None:
     str(found)
 
 
+@cache
+def _scara() -> fd.FlexibleJointModel:
+    return fd.load_model("scara_two_link")
+
+
+def _command(folder: Path, data: bytes, *, suffix: str) -> None:
+    (folder / f"input{suffix}").write_bytes(data)
+    make_drive(_scara(), folder / f"input{suffix}", None)
+
+
+def _side_by_side(folder: Path, data: bytes) -> None:
+    (folder / "input.csv").write_bytes(data)
+    load(folder / "input.csv+other.csv")
+    load(Path(f"other.csv+{folder / 'input.csv'}"))
+
+
 def _store(folder: Path, data: bytes) -> None:
     place = folder / "store.zarr"
     shutil.rmtree(place, ignore_errors=True)
@@ -124,6 +142,9 @@ TARGETS = (
     Target("URDF", ".urdf", lambda folder: [corpus.URDF], any_text, _urdf, 6),
     Target("study", ".yaml", corpus.studies, any_text, _study, 0.6),
     Target("channel map", ".yaml", corpus.maps, any_text, _map, 2.5),
+    Target("command file", ".yaml", corpus.commands, any_text, partial(_command, suffix=".yaml"), 1.5),
+    Target("command table", ".csv", corpus.torques, any_text, partial(_command, suffix=".csv"), 2),
+    Target("side by side", ".csv", corpus.halves, any_text, _side_by_side, 2),
     Target("report", ".json", corpus.reports, any_text, _report, 0.6),
     Target("store", ".zip", corpus.stores, any_store, _store, 0.6),
     Target("command line", ".txt", command_line.prepare, a_number, command_line.run, 0.4, batch=200),
