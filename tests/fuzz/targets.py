@@ -147,6 +147,6 @@ TARGETS = (
     Target("side by side", ".csv", corpus.halves, any_text, _side_by_side, 2),
     Target("report", ".json", corpus.reports, any_text, _report, 0.6),
     Target("store", ".zip", corpus.stores, any_store, _store, 0.6),
-    Target("command line", ".txt", command_line.prepare, a_number, command_line.run, 0.4, batch=200),
+    Target("command line", ".txt", command_line.prepare, a_number, command_line.run, 0.8, batch=200),
     Target("border of the core", ".txt", lambda folder: [b""], a_number, core_border.run, 4, batch=500),
 )
