@@ -70,14 +70,25 @@ def test_controllers_in_two_threads() -> None:
         np.testing.assert_array_equal(together[k].tau, alone[k].tau)
 
 
-@pytest.mark.parametrize("python_law", [False, True])
-def test_ctrl_c_stops_a_simulation(python_law: bool) -> None:
+ENDLESS = {
+    "RungeKutta4": fd.solvers.RungeKutta4(step=1e-4),
+    "DormandPrince": fd.solvers.DormandPrince(max_step=1e-4, max_steps=1e15),
+    "Rosenbrock": fd.solvers.Rosenbrock(max_step=1e-4, max_steps=1e15),
+    "TimeStepping": fd.solvers.TimeStepping(step=1e-4),
+    "auto": "auto",
+}
+"""Every solver, with steps so short that 1e9 s take days."""
+
+
+@pytest.mark.parametrize(("name", "python_law"), [*((name, False) for name in ENDLESS), ("RungeKutta4", True)])
+def test_ctrl_c_stops_a_simulation(name: str, python_law: bool) -> None:
     """KeyboardInterrupt arrives within a run that would last for days, and leaves flexdyn usable."""
+    assert {*ENDLESS} == {*fd.solvers.SOLVERS, "auto"}
     command = fd.Controller(lambda t, x: [0.0, 0.0]) if python_law else None
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     with pytest.raises(KeyboardInterrupt):
-        fd.simulate(two_link(ARM), command, 1e9, fd.solvers.RungeKutta4(step=1e-4), rate=1e-6, **BENT)
+        fd.simulate(two_link(ARM), command, 1e9, ENDLESS[name], rate=1e-6, **BENT)
     timer.join()
     assert fd.simulate(two_link(ARM), None, 0.1).t[-1] == pytest.approx(0.1)
 
