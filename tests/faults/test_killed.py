@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import pickle
 import shutil
 import signal
@@ -11,6 +12,9 @@ from pathlib import Path
 
 import pytest
 
+import flexdyn as fd
+from flexdyn.records import SUFFIXES
+from tests.diagnose import slides
 from tests.faults.writers import contents, writers
 
 SERVER = """
@@ -36,7 +40,24 @@ for line in sys.stdin:
     os.write(1, b"%d\\n" % os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 """
 """For every number that it reads, a process that saves and is killed just before its step of that number."""
-NAMES = [".csv", ".npz", ".mat", ".db3", "run", "model", "report"]
+ALL_NAMES = [*SUFFIXES, "run", "model", "plot.png", "plot.html", "report"]
+QUICK = (".csv", ".npz", ".mat", ".db3", "run", "model", "report")
+"""One of each way to write, for CI; the others have the mark slow."""
+NAMES = [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in ALL_NAMES]
+DIAGNOSIS = """
+import os, sys
+from flexdyn.cli import main
+left, folder = int(sys.argv[1]), sys.argv[2]
+def hook(event, arguments):
+    global left
+    if event in ("open", "os.rename", "os.remove", "os.mkdir") and str(arguments[0]).startswith(folder):
+        left -= 1
+        if left == 0:
+            os.kill(os.getpid(), 9)
+sys.addaudithook(hook)
+os._exit(main(["diagnose", "arm.yaml", "log.npz", "-o", folder]))
+"""
+"""`flexdyn diagnose`, killed just before its step of a number in the folder of the report."""
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -71,6 +92,40 @@ def test_killed_while_it_saves(tmp_path: Path, name: str) -> None:
     assert len(seen) > 3
     assert seen[0] == {"old"}
     assert seen[-1] == {"new"}
+
+
+@pytest.mark.slow
+def test_a_diagnosis_killed_while_it_writes(tmp_path: Path) -> None:
+    """`flexdyn diagnose -o` into the folder of an earlier report: each of its files is the old one, or a new one."""
+    fd.save_model(slides.model(tmp_path), tmp_path / "arm.yaml")
+    fd.write_recording(slides.recording(lambda v: 5.0 * v, seconds=5.0), tmp_path / "log.npz")
+    place = tmp_path / "report"
+    writers()["report"].old(place)
+    old, code, steps = contents(place), -signal.SIGKILL, 0
+    while code == -signal.SIGKILL:
+        steps += 1
+        _restore(place, old)
+        words = [sys.executable, "-c", DIAGNOSIS, str(steps), str(place)]
+        code = subprocess.run(words, cwd=tmp_path, capture_output=True, check=False).returncode
+        found = {path.name: path.read_bytes() for path in place.iterdir() if path.name[0] != "."}
+        for name, content in found.items():
+            assert content == old.get(name) or _is_whole_and_new(place / name), (steps, name)
+        assert steps > 1 or found == old
+    assert code == 0
+    assert steps > 5
+    assert all(found[name] != old.get(name) for name in ("report.json", "report.html", "model.yaml"))
+    assert not [path for path in place.iterdir() if path.name[0] == "."]
+
+
+def _is_whole_and_new(path: Path) -> bool:
+    """Whether it is a file of the diagnosis of the slide, to its end."""
+    text = path.read_text(encoding="utf-8")
+    if path.name == "report.json":
+        return "lift" in json.loads(text)["errors"]
+    if path.name == "report.html":
+        return "lift" in text and text.rstrip().endswith("</html>")
+    read = fd.load_robot if path.suffix == ".urdf" else fd.load_model
+    return tuple(read(path).joint_names) == ("lift",)
 
 
 def _restore(place: Path, files: dict[str, bytes]) -> None:
