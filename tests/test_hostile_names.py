@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import html
 import json
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +15,11 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.cli import main
+from flexdyn.diagnose.report.document import SCHEMA
+from flexdyn.diagnose.report.suspects import Finding
 from flexdyn.errors import one_line, visible
 from tests.browser import open_page
+from tests.diagnose.report_cases import COULOMB, explained
 from tests.viewer.arms import DRIVE
 
 pytestmark = pytest.mark.usefixtures("one_browser")
@@ -112,6 +117,69 @@ def test_the_terminal_shows_and_does_not_obey(
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 2
     assert all(line.isprintable() for line in lines)
+
+
+def printable(capsys: pytest.CaptureFixture[str]) -> str:
+    """What was printed, which holds no control character and no letter that changes the direction."""
+    printed = capsys.readouterr()
+    assert all(line.isprintable() for line in [*printed.out.splitlines(), *printed.err.splitlines()])
+    return printed.out
+
+
+@pytest.fixture(scope="module")
+def files(run: fd.Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of such a name with two runs, and with two models, one of them with a report of a diagnosis."""
+    folder = tmp_path_factory.mktemp("filed") / f"{TERMINAL}<script>{HIT}<"
+    folder.mkdir()
+    for name in (NAMES[1].replace("/", ""), TERMINAL):
+        run.save(folder / f"{name}.npz")
+    fd.save_model(run.model, folder / f"{TERMINAL}.yaml")
+    fd.save_model(run.model, folder / "model.yaml")
+    names = {"joint": f"{TERMINAL}{NAMES[0]}", "side": TERMINAL, "effect": f"{TERMINAL}friction"}
+    found = names | {"parameters": {TERMINAL: {"value": 1.0, "std": 0.1}}, "probability": 0.5}
+    wrong = {"of": TERMINAL, "parameter": TERMINAL, "factor": 1.0, "std": 0.1}
+    report = {"schema": SCHEMA, "findings": [found], "calibration": [wrong], "considered": [found]}
+    (folder / "report.json").write_text(json.dumps(report), encoding="utf-8")
+    return folder
+
+
+@pytest.mark.parametrize("more", [[], ["--json"]], ids=("text", "json"))
+def test_comparisons_show_them(files: Path, more: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """Of runs and of models, in files of such names; what a report of a diagnosis holds is not obeyed either."""
+    assert main(["compare", *map(str, sorted(files.glob("*.npz"))), *more]) == 0
+    assert NAMES[0] in printable(capsys)
+    models = [str(path) for path in sorted(files.glob("*.yaml"))]
+    assert main(["compare-models", *models, *more]) == 0
+    assert "level of Coulomb friction" in printable(capsys)
+    for command in ("compare", "compare-models"):
+        assert main([command, f"{TERMINAL}.npz", f"{TERMINAL}<b>", f"--{TERMINAL}"]) == 2
+        assert main([command, f"{TERMINAL}.npz", f"{TERMINAL}<b>"]) == 2
+        printable(capsys)
+
+
+def test_an_effect_of_such_a_name(capsys: pytest.CaptureFixture[str]) -> None:
+    """It is not known, and said in one line."""
+    for name in (*NAMES, *REFUSED, TERMINAL):
+        assert main(["effects", name]) == 2
+        assert not printable(capsys)
+
+
+def test_a_diagnosis_shows_them(
+    files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Names of its files and folder, of joints, and of what it is asked to explain; the diagnosis is made by hand."""
+    model, log = str(files / "model.yaml"), str(next(files.glob("*.npz")))
+    for wrong in (["--explain", TERMINAL], ["--expect", TERMINAL], ["--check", TERMINAL], ["--hold-out", TERMINAL]):
+        assert main(["diagnose", model, log, *wrong, "-o", str(tmp_path / "report")]) == 2
+        printable(capsys)
+    suspect = dataclasses.replace(COULOMB, joint=NAMES[0])
+    finding = Finding(suspect, 0.99, 30.0, 0.5, (dataclasses.replace(suspect, effect=TERMINAL),), TERMINAL)
+    error = explained().errors["elbow"]
+    made = dataclasses.replace(explained(), findings=(finding,), errors=dict.fromkeys(NAMES, error), notes=(TERMINAL,))
+    monkeypatch.setattr(import_module("flexdyn.diagnose"), "diagnose", lambda *_, **__: made)
+    for more in ([], ["--json"]):
+        assert main(["diagnose", model, log, "-o", str(tmp_path / f"{TERMINAL}<script>"), *more]) == 0
+        assert "coulomb" in printable(capsys).lower()
 
 
 def test_files_keep_them(run: fd.Run, tmp_path: Path) -> None:

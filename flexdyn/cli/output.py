@@ -92,7 +92,8 @@ def table(
         legend: meanings of its symbols, printed below.
     """
     cells = tuple(tuple(visible(str(cell), lines=True) for cell in row) for row in rows)
-    return Sheet(visible(title), tuple(columns), cells, frozenset(right), legend or {})
+    heads, numbers = (map(visible, names) for names in (columns, right))  # a head may be the name of a file
+    return Sheet(visible(title), tuple(heads), cells, frozenset(numbers), legend or {})
 
 
 def number(value: float | None, digits: int = 4) -> str:
