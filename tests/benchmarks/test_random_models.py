@@ -45,3 +45,17 @@ def test_extreme_models_end_or_say_why(seed: int) -> None:
     assert stopped.value.fastest.rate > 1e4
     assert "take " in stopped.value.remedy
     assert problem.run(fd.solvers.TimeStepping(step=1e-3)).t[-1] == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize(("seed", "extreme", "stiff"), [(5, False, False), (13, False, True), (2, True, True)])
+def test_equal_steps_end_or_a_smaller_one_is_asked_for(seed: int, extreme: bool, stiff: bool) -> None:
+    """RungeKutta4 with smoothed dry friction takes any of these models; a spring too stiff for its step is said."""
+    from random_models import drawn
+    from random_runs import EQUAL_STEPS
+
+    problem = drawn(seed, extreme=extreme, duration=0.05)
+    if stiff:
+        with pytest.raises(fd.SimulationError, match="take a smaller step"):
+            problem.run(EQUAL_STEPS)
+    else:
+        assert np.isfinite(problem.run(EQUAL_STEPS).q).all()
