@@ -86,6 +86,15 @@ def test_the_release_tries_every_python_without_a_compiler(project: dict[str, An
     assert (ROOT / "scripts" / "wheel_check.py").is_file()
 
 
+def test_pixi_installs_what_pip_installs(project: dict[str, Any]) -> None:
+    """It is not run here: the tables name this project with its extra, a compiler, and each Python that is promised."""
+    pixi = project["tool"]["pixi"]
+    assert pixi["pypi-dependencies"] == {project["project"]["name"]: {"path": ".", "extras": ["all"]}}
+    assert {*pixi["dependencies"]} == {"python", "cxx-compiler"}
+    promised = [int(build.removeprefix("cp3").removesuffix("-*")) for build in project["tool"]["cibuildwheel"]["build"]]
+    assert pixi["dependencies"]["python"] == f">=3.{promised[0]},<3.{promised[-1] + 1}"
+
+
 def test_the_core_needs_no_other_package() -> None:
     """A Python that sees no installed package loads it: it is linked to no library of Pinocchio's or NumPy's."""
     words = [sys.executable, "-I", "-S", "-c", ALONE, str(_core.__file__)]
