@@ -30,6 +30,14 @@ def fuzz_table(results: Mapping[str, Any]) -> str:
     return markdown_table(head, body)
 
 
+def sanitizers_table(results: Mapping[str, Any]) -> str:
+    """Tests on cores that were built with sanitizers, and what these reported."""
+    head = ["sanitizer", "commit", "date", "tests passed", "failed", "skipped", "findings"]
+    keys = ("sanitizer", "commit", "date", "passed", "failed", "skipped", "findings")
+    body = [[f"{row[key]:,}" if isinstance(row[key], int) else row[key] for key in keys] for row in results["runs"]]
+    return markdown_table(head, body, text=3)
+
+
 def growth_table(results: Mapping[str, Any]) -> str:
     """Random arms on which the solvers part: what a tiny turn of the first joint becomes, and the solvers beside it."""
     head = ["seed", "joints", "solvers apart at default tolerances", "a turn grows by", "until, s"]

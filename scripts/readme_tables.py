@@ -40,7 +40,14 @@ from result_tables import (  # noqa: E402
     peers_table,
     rates_table,
 )
-from trust_tables import fuzz_table, growth_table, long_runs_table, random_runs_table, slowest_table  # noqa: E402
+from trust_tables import (  # noqa: E402
+    fuzz_table,
+    growth_table,
+    long_runs_table,
+    random_runs_table,
+    sanitizers_table,
+    slowest_table,
+)
 
 MARKER = re.compile(r"<!-- (/?)table:(\w+) -->")
 
@@ -112,9 +119,10 @@ OF_RESULTS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "random_growth": ("random_growth", growth_table),
     "random_runs": ("random_runs", random_runs_table),
     "rates": ("rates", rates_table),
+    "sanitizers": ("sanitizers", sanitizers_table),
     "slowest_files": ("slowest_files", slowest_table),
 }
-"""Tables of one result file: the file, and what makes the table of it."""
+"""Tables of one result file: the file, and what makes the table of it. Without the file there is no table."""
 
 
 def _of_results(file: str, table: Callable[[Any], str]) -> str:
@@ -122,7 +130,11 @@ def _of_results(file: str, table: Callable[[Any], str]) -> str:
 
 
 TABLES: dict[str, Callable[[], str]] = {
-    **{name: partial(_of_results, file, table) for name, (file, table) in OF_RESULTS.items()},
+    **{
+        name: partial(_of_results, file, table)
+        for name, (file, table) in OF_RESULTS.items()
+        if (RESULTS / f"{file}.json").is_file()
+    },
     "measured": lambda: measured_table(_measured()),
     "measured_names": lambda: measured_names_table(_measured()),
     "effects": effects,

@@ -8,6 +8,7 @@
 #
 # More arguments go to pytest in place of the tests below. FLEXDYN_PYTHON: another Python than .venv/bin/python.
 # FLEXDYN_BUILD: a folder that keeps the build for the next time. Exit code 1: something was found.
+# Without more arguments the result goes to benchmarks/results/sanitizers.json.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . scripts/setup.sh
@@ -34,7 +35,8 @@ address | undefined | address,undefined) tests=("${core[@]}" tests/batch/test_to
 thread) tests=("${threads[@]}" tests/solvers/test_together.py tests/simulation/test_users_laws.py "${rows[@]}") ;;
 *) fail "say which sanitizer: $0 address, undefined, thread or all" ;;
 esac
-[ $# -gt 0 ] && tests=("$@")
+recorded=yes
+[ $# -gt 0 ] && tests=("$@") && recorded=no
 [ -x "$python" ] || fail "there is no $python: run scripts/test.sh first, or set FLEXDYN_PYTHON"
 need_compiler
 
@@ -66,7 +68,7 @@ thread)
   ;;
 esac
 # pytest keeps what tests write: findings go to files of their own.
-rm -f "$folder"/found.*
+rm -f "$folder"/found.* "$folder/tests.xml"
 for options in ASAN_OPTIONS UBSAN_OPTIONS TSAN_OPTIONS; do
   [ -z "${!options:-}" ] || export "$options=${!options}:log_path=$folder/found"
 done
@@ -77,9 +79,17 @@ left_out="not memory_is_given_back and not runs_beside and not nothing_is_left_a
 # This sanitizer holds signals back while a thread computes.
 [ "$kind" != thread ] || left_out+=" and not ctrl_c"
 failed=0
-LD_PRELOAD=$preload "$python" -m pytest -q -p no:cacheprovider -k "$left_out" "${tests[@]}" || failed=1
-if compgen -G "$folder/found.*" >/dev/null; then
-  cat "$folder"/found.*
+LD_PRELOAD=$preload "$python" -m pytest -q -p no:cacheprovider --junitxml="$folder/tests.xml" -k "$left_out" "${tests[@]}" || failed=1
+findings=0
+for found in "$folder"/found.*; do
+  [ -e "$found" ] || continue
+  cat "$found"
+  findings=$((findings + 1))
   failed=1
+done
+# A run that ended early has no report, and is not recorded.
+if [ "$recorded" = yes ] && [ -f "$folder/tests.xml" ]; then
+  "$python" scripts/sanitizer_result.py "$kind" "$folder/tests.xml" --findings "$findings" \
+    -o benchmarks/results/sanitizers.json
 fi
 exit "$failed"

@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib.util
 import json
 import re
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 from types import ModuleType
@@ -77,6 +79,25 @@ def test_filling_twice_changes_nothing_more(script: ModuleType, name: str) -> No
     assert once.startswith(f"before\n<!-- table:{name} -->\n| ")
     assert once.endswith(f" |\n<!-- /table:{name} -->\nafter\n")
     assert script.filled(once) == once
+
+
+def test_a_sanitizers_run_is_recorded(script: ModuleType, tmp_path: Path) -> None:
+    """With pytest's own counts; a second run replaces the first, and the other sanitizers' stay."""
+    report, results = tmp_path / "tests.xml", tmp_path / "sanitizers.json"
+    for kind, failed, findings in (("thread", 1, 2), ("address,undefined", 0, 0), ("thread", 0, 0)):
+        counts = f'tests="1436" failures="{failed}" errors="0" skipped="2"'
+        report.write_text(f'<testsuites><testsuite name="pytest" {counts}/></testsuites>', encoding="utf-8")
+        words = [kind, str(report), "--findings", str(findings), "-o", str(results)]
+        subprocess.run([sys.executable, str(ROOT / "scripts" / "sanitizer_result.py"), *words], check=True)
+    content = json.loads(results.read_text(encoding="utf-8"))
+    assert [(row["sanitizer"], row["passed"], row["findings"]) for row in content["runs"]] == [
+        ("address,undefined", 1434, 0),
+        ("thread", 1434, 0),
+    ]
+    assert all(bound["passed"] for bound in content["bounds"])
+    table = script.OF_RESULTS["sanitizers"][1](content)
+    assert table.splitlines()[2].startswith("| address,undefined | ")
+    assert table.endswith("| 1,434 | 0 | 2 | 0 |")
 
 
 @pytest.mark.parametrize(
