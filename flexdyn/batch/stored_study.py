@@ -92,6 +92,7 @@ def check_arrays(found: Any, study: Study) -> None:
         InputError: an array is missing, or is another.
     """
     run = ("run",)
+    shapes: dict[str, tuple[tuple[str, ...], str]]
     shapes = {"run": (run, "i"), "time": (("time",), "f"), "joint": (("joint",), "OTU"), "status": (run, "OTU")}
     shapes |= dict.fromkeys(study.keep, (("run", "time", "joint"), "f"))
     shapes |= {array_name(name): (run, "f") for name in (*study.vary, *study.metrics)}

@@ -191,6 +191,7 @@ def test_a_damaged_piece_is_said(results: Results, tmp_path: Path) -> None:
         open_results(broken).plot(views=["trajectories"])
 
 
+WRONG_STUDIES: tuple[dict[str, Any], ...]
 WRONG_STUDIES = ({"runs": 0}, {"points": 10**9}, {"chunk": "1"}, {"seed": "x"}, {"rate": -1.0}, {"duration": math.inf})
 WRONG_STUDIES += ({"vary": {"a": 3}}, {"vary": []}, {"keep": ["nothing"]}, {"metrics": [3]}, {"solver": {"name": "x"}})
 WRONG_STUDIES += ({"model": 3}, {"command": {"pd": 3}}, {"command": 3}, {"files": []}, {"unknown": 1}, {"folder": None})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -141,12 +142,14 @@ def test_mistakes_are_one_line(tmp_path: Path) -> None:
             fd.compare_models(*wrong)
 
 
-COOL = {"effect": "x", "joint": None, "side": None, "parameters": {}, "probability": 0.5}
-WRONG = {
+COOL: dict[str, Any] = {"effect": "x", "joint": None, "side": None, "parameters": {}, "probability": 0.5}
+NO_PROBABILITIES: tuple[Any, ...] = ("1", True, -1, 10**400, [], {})
+NO_NUMBERS: tuple[Any, ...] = (1, {}, {"value": 1, "std": -1})
+WRONG: dict[str, list[Any]] = {
     "schema": [{}, 3, [], {"schema": None}, {"schema": "other"}, {"schema": f"{SCHEMA[:-1]}99"}, {"schema": [SCHEMA]}],
     "findings": [3, None, [1], [{}], [{"effect": "x"}], [{**COOL, "parameters": [1]}], [{**COOL, "effect": []}]],
-    "findings[0].probability": [[{**COOL, "probability": each}] for each in ("1", True, -1, 10**400, [], {})],
-    "findings[0].parameters.a": [[{**COOL, "parameters": {"a": each}}] for each in (1, {}, {"value": 1, "std": -1})],
+    "findings[0].probability": [[{**COOL, "probability": each}] for each in NO_PROBABILITIES],
+    "findings[0].parameters.a": [[{**COOL, "parameters": {"a": each}}] for each in NO_NUMBERS],
     "findings[0].of": [[{**COOL, "effect": "parameter_error"}]],
     "considered": [3, {}, [[]], [{**COOL, "joint": 3}], [{**COOL, "side": {}}], [{**COOL, "channel": None}]],
     "calibration": [{}, [{}], [{"of": "elbow", "parameter": None}], [{"of": "a", "parameter": "b", "factor": "c"}]],

@@ -70,7 +70,7 @@ def test_controllers_in_two_threads() -> None:
         np.testing.assert_array_equal(together[k].tau, alone[k].tau)
 
 
-ENDLESS = {
+ENDLESS: dict[str, fd.solvers.Solver | str] = {
     "RungeKutta4": fd.solvers.RungeKutta4(step=1e-4),
     "DormandPrince": fd.solvers.DormandPrince(max_step=1e-4, max_steps=1e15),
     "Rosenbrock": fd.solvers.Rosenbrock(max_step=1e-4, max_steps=1e15),
