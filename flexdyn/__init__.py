@@ -15,8 +15,9 @@ from flexdyn.analysis.steady_friction import LawTrial, SteadyFriction, steady_fr
 from flexdyn.analysis.steady_points import SteadyPoint, steady_points
 from flexdyn.batch.run_study import run_study
 from flexdyn.comparison.compare import ChannelError, Comparison, compare
-from flexdyn.control.commands import PD, Controller, FrameWrench, Samples, State
+from flexdyn.control.commands import PD, Controller, FrameWrench, State
 from flexdyn.control.firmware import Firmware
+from flexdyn.control.samples import Samples
 from flexdyn.control.servo import Servo
 from flexdyn.diagnose import Diagnosis, ModelsCompared, compare_models, diagnose, prescribed_forces
 from flexdyn.errors import FlexdynError, InputError, MissingExtra, SimulationError

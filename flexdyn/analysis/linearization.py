@@ -32,10 +32,9 @@ def linearize(
 ) -> LinearModel:
     """Linearise the equations of motion near a state: a linear state-space model.
 
-    A is exact: Pinocchio's derivatives of the links, gravity included, and the slopes of every effect. With
-    `rotor_coupling` full it is a difference quotient of the whole motion instead. Laws with a
-    corner (backlash, end stop, torque limit) use the branch at the state. A command delay is not part of A and B; it
-    is given separately and enters `frequency_response`.
+    A is exact: Pinocchio's derivatives of the links, gravity included, and the slopes of every effect; with full
+    `rotor_coupling` it is a difference quotient of the whole motion. Laws with a corner (backlash, end stop, torque
+    limit) use the branch at the state. A command delay is not part of A and B: `frequency_response` adds it.
 
     Args:
         model: the arm.
@@ -51,8 +50,7 @@ def linearize(
         The linear model.
 
     Raises:
-        InputError: arguments that do not fit the model, motors too weak for the pose, or, with ``held``, a contact that
-            its dry friction does not hold.
+        InputError: arguments that do not fit the model, motors too weak for the pose, a contact that slips if ``held``.
 
     Example:
         >>> model = fd.load_model("ur5")
@@ -62,19 +60,10 @@ def linearize(
         (24, 6)
     """
     model, delays = checked_model(model), command_delays(model)
-    check_known(stuck, ("free", "held"), "no such choice", key="stuck", value=stuck, remedy="it is free or held")
     x0, tau0 = _point(model, x, tau, t)
     joints = [model.index(joint) for joint in (model.joint_names if inputs is None else inputs)]
     names, C = output_matrix(model, len(x0), outputs)
-    statics = Statics(without_resting_friction(model, x0), t)
-    held = sorted(resting(model, x0)) if stuck == "held" else []
-    A = state_matrix(build_plant(model) if held else statics.plant, t, x0, tau0)
-    _check_held(model, A, held)
-    B = _input_matrix(statics, x0, actuator_gains(statics, x0, tau0), held)
-    half = model.n + int(model.elastic.sum())
-    rate = sliding_rate(statics, x0, tau0)
-    rate[half : 2 * half] = _constrained(statics, x0, rate[half : 2 * half], held)
-    kept = [i for i in range(len(x0)) if i not in {at for place in held for at in (place, half + place)}]
+    A, B, rate, held, kept = _matrices(model, x0, tau0, stuck, t)
     states = state_names(model, len(x0))
     return LinearModel(
         A=A[np.ix_(kept, kept)],
@@ -140,6 +129,23 @@ def _point(model: FlexibleJointModel, x: Pose, tau: ByJoint | None, t: float) ->
     if tau is not None:
         return state, torques(model, tau)
     return state, statics.holding(state[:n], state[model.rotor_places])
+
+
+def _matrices(
+    model: FlexibleJointModel, x: Array, tau: Array, stuck: str, t: float
+) -> tuple[Array, Array, Array, list[int], list[int]]:
+    """A (nx, nx), B (nx, n) and the rate of the state (nx,); coordinates that are held, entries of x that are not."""
+    check_known(stuck, ("free", "held"), "no such choice", key="stuck", value=stuck, remedy="it is free or held")
+    statics = Statics(without_resting_friction(model, x), t)
+    held = sorted(resting(model, x)) if stuck == "held" else []
+    A = state_matrix(build_plant(model) if held else statics.plant, t, x, tau)
+    _check_held(model, A, held)
+    B = _input_matrix(statics, x, actuator_gains(statics, x, tau), held)
+    half = model.n + int(model.elastic.sum())
+    rate = sliding_rate(statics, x, tau)
+    rate[half : 2 * half] = _constrained(statics, x, rate[half : 2 * half], held)
+    kept = [i for i in range(len(x)) if i not in {at for place in held for at in (place, half + place)}]
+    return A, B, rate, held, kept
 
 
 def _constrained(statics: Statics, x: Array, rows: Array, held: list[int]) -> Array:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.control.commands import Samples
+from flexdyn.control.samples import Samples
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import make_drive
 from flexdyn.simulation.run import Run

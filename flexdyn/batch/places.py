@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-from flexdyn.control.commands import PD, per_joint
+from flexdyn.control.commands import PD
+from flexdyn.control.setting_checks import per_joint
 from flexdyn.effects import Effect, JointEffect
-from flexdyn.effects.base import unit_for
+from flexdyn.effects.parameters import unit_for
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.signals.cut import with_channels

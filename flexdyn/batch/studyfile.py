@@ -13,8 +13,8 @@ from flexdyn.batch.distributions import Distribution, Grid, distribution
 from flexdyn.batch.rehearsal import digests, rehearse
 from flexdyn.batch.study import Study
 from flexdyn.checks import check_known, number, whole
-from flexdyn.control.commands import checked_rate
 from flexdyn.control.points import PD_KEYS
+from flexdyn.control.setting_checks import checked_rate
 from flexdyn.errors import InputError, placed
 from flexdyn.io.files import exists, is_file
 from flexdyn.io.yaml import check_format, check_keys, read_yaml

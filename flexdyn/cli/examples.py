@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from flexdyn.control.commands import PD, Samples
+from flexdyn.control.commands import PD
+from flexdyn.control.samples import Samples
 from flexdyn.effects import Backlash, CoulombFriction, Effect, StribeckFriction, ViscousFriction
 from flexdyn.io.files import make_folder, write_text
 from flexdyn.io.text import fill

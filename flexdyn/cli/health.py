@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.control.commands import Samples
+from flexdyn.control.samples import Samples
 from flexdyn.effects import ViscousFriction
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model

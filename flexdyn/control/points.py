@@ -23,7 +23,9 @@ from typing import Any
 import numpy as np
 
 from flexdyn.checks import check_known
-from flexdyn.control.commands import INTERPOLATIONS, PD, Interpolation, Samples
+from flexdyn.control.commands import PD
+from flexdyn.control.samples import Samples
+from flexdyn.control.setting_checks import INTERPOLATIONS, Interpolation
 from flexdyn.errors import InputError, retold
 from flexdyn.io.yaml import check_keys
 

@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn.checks import Array, whole
-from flexdyn.control.commands import Samples, State, check_feedback, checked_rate, per_joint
+from flexdyn.control.commands import State
 from flexdyn.control.firmware import Firmware
+from flexdyn.control.samples import Samples
+from flexdyn.control.setting_checks import check_feedback, checked_rate, per_joint
 from flexdyn.errors import InputError
 
 Gains = float | ArrayLike | Mapping[str, float]

@@ -8,7 +8,7 @@ from flexdyn.effects.actuator import (
     TorqueSaturation,
     TorqueSpeedLimit,
 )
-from flexdyn.effects.base import Effect, JointEffect, parameter, registered, unit_for
+from flexdyn.effects.base import Effect, registered
 from flexdyn.effects.catalogue import catalogue, effect_from_dict
 from flexdyn.effects.channels import measure, recovered
 from flexdyn.effects.coupling import JointCoupling
@@ -22,9 +22,11 @@ from flexdyn.effects.friction import (
 )
 from flexdyn.effects.friction_of_load import DirectionalGearLoss, LoadDependentFriction, StribeckGearLoss
 from flexdyn.effects.friction_of_state import PositionDependentFriction, PreslidingFriction, WarmUpFriction
+from flexdyn.effects.joint_effect import JointEffect
 from flexdyn.effects.link import EndStop, ParallelSpring, Payload, PositionTorque
 from flexdyn.effects.memory import MemoryEffect
 from flexdyn.effects.model_error import ParameterError
+from flexdyn.effects.parameters import parameter, unit_for
 from flexdyn.effects.sensor import (
     ChannelLag,
     EncoderEccentricity,

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from flexdyn.effects.base import JointEffect, parameter, spaced
 from flexdyn.effects.extent import SLOW_HARMONICS, MotionExtent
+from flexdyn.effects.joint_effect import JointEffect
+from flexdyn.effects.parameters import parameter, spaced
 from flexdyn.effects.waves import WaveEffect
 
 

@@ -20,8 +20,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn import _core
-from flexdyn.checks import Array, as_number, check_known
+from flexdyn.checks import Array, check_known
 from flexdyn.effects.extent import MotionExtent
+from flexdyn.effects.parameters import USUAL_SIZES, checked_number, parameter
 from flexdyn.errors import InputError
 
 Side = Literal["link", "motor", "transmission", "sensor"]
@@ -30,34 +31,6 @@ Scale = Literal["given", "speed", "deflection", "seconds", "one"]
 Prevalence = Literal["everywhere", "often", "seldom"]
 
 _registry: dict[str, type[Effect]] = {}
-
-_USUAL = {"N m": 1.0, "N m s/rad": 0.5, "N m/rad": 100.0, "rad": 0.01, "rad/s": 0.5, "s": 0.01}
-
-
-def parameter(
-    unit: str,
-    *,
-    lower: float = -math.inf,
-    strict: bool = False,
-    infinite: bool = False,
-    default: Any = dataclasses.MISSING,
-) -> Any:
-    """A parameter of an effect.
-
-    Args:
-        unit: for a revolute joint; for a prismatic one N m becomes N and rad becomes m.
-        lower: lower bound.
-        strict: whether the value must be above `lower`, not equal to it.
-        infinite: whether the value may be infinite; a neutral value always may.
-        default: value if none is given; without a default a value is required.
-    """
-    metadata = {"unit": unit, "lower": lower, "strict": strict, "infinite": infinite}
-    return dataclasses.field(default=default, metadata=metadata)
-
-
-def spaced(first: float, last: float, count: int) -> tuple[float, ...]:
-    """A geometric grid from the first to the last value."""
-    return tuple(float(value) for value in np.geomspace(first, last, count))
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(parameter, dataclasses.field))
@@ -156,7 +129,9 @@ class Effect:
     def __post_init__(self) -> None:
         """Check every number against its bounds and store it as a float."""
         for field in self.parameters():
-            object.__setattr__(self, field.name, self._checked(field, getattr(self, field.name)))
+            neutral = self.neutral.get(field.name, math.nan)
+            number = checked_number(self.name, field, getattr(self, field.name), neutral)
+            object.__setattr__(self, field.name, number)
 
     @classmethod
     @functools.cache
@@ -279,7 +254,7 @@ class Effect:
             other: a second joint, if it needs one.
         """
         numbers = {
-            field.name: cls.shown.get(field.name, _USUAL.get(field.metadata["unit"], 1.0))
+            field.name: cls.shown.get(field.name, USUAL_SIZES.get(field.metadata["unit"], 1.0))
             for field in cls.parameters()
             if field.default is dataclasses.MISSING or field.name in cls.shown
         }
@@ -296,48 +271,7 @@ class Effect:
         _core.evaluate_law(self.name, self.values, t, x, u, tau, out)
         return out
 
-    def _checked(self, field: dataclasses.Field[Any], value: Any) -> float:
-        """A parameter's value as a number; refuses one outside its bounds."""
-        place = f"{self.name}.{field.name}"
-        unit, lower, strict, infinite = (field.metadata[key] for key in ("unit", "lower", "strict", "infinite"))
-        number = as_number(value)
-        if math.isnan(number):
-            raise InputError("a number is needed", key=place, value=value, remedy=f"give it in {unit}")
-        if math.isinf(number) and not infinite and number != self.neutral.get(field.name, math.nan):
-            raise InputError("it must be finite", key=place, value=number)
-        if number < lower or (strict and number == lower):
-            bound = f"above {lower:g}" if strict else f"at least {lower:g}"
-            raise InputError(f"it must be {bound} [{unit}]", key=place, value=number)
-        return number
-
-
-class JointEffect(Effect, abstract=True):
-    """An effect on one joint, on one side of its transmission."""
-
-    joint: str = dataclasses.field(kw_only=False)
-    side: Side | None = None
-
-    def __post_init__(self) -> None:
-        """Fill in the side if only one is possible, and refuse a side that the law does not have."""
-        super().__post_init__()
-        if not isinstance(self.joint, str) or not self.joint:
-            raise InputError("a joint's name is needed", key=f"{self.name}.joint", value=self.joint)
-        side = self.sides[0] if self.side is None and len(self.sides) == 1 else self.side
-        if side not in self.sides:
-            problem = "the side must be said" if side is None else "no such side for this effect"
-            raise InputError(problem, key=f"{self.name}.side", value=side, remedy=f"it is {' or '.join(self.sides)}")
-        object.__setattr__(self, "side", side)
-
-    @classmethod
-    def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
-        return {"joint": joint, "side": cls.sides[0]}
-
 
 def registered() -> Mapping[str, type[Effect]]:
     """Every effect class defined so far, users' own included, by name."""
     return dict(_registry)
-
-
-def unit_for(unit: str, *, prismatic: bool) -> str:
-    """The unit of a parameter on this kind of joint: for a prismatic joint N m becomes N, and rad becomes m."""
-    return unit.replace("N m", "N").replace("rad", "m") if prismatic else unit

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.effects.base import JointEffect, parameter
+from flexdyn.effects.joint_effect import JointEffect
+from flexdyn.effects.parameters import parameter
 from flexdyn.errors import InputError
 
 

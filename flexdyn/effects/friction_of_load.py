@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from flexdyn.effects.base import JointEffect, parameter
+from flexdyn.effects.joint_effect import JointEffect
+from flexdyn.effects.parameters import parameter
 
 
 class GearLoss(JointEffect, abstract=True):

@@ -8,9 +8,10 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.effects.base import JointEffect, parameter, spaced
 from flexdyn.effects.extent import SLOW_HARMONICS, MotionExtent
+from flexdyn.effects.joint_effect import JointEffect
 from flexdyn.effects.memory import MemoryEffect
+from flexdyn.effects.parameters import parameter, spaced
 from flexdyn.effects.waves import WaveEffect
 
 LONGEST_BRISTLE_TIME = 0.1

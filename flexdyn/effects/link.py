@@ -7,8 +7,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from flexdyn.effects.base import Effect, JointEffect, parameter
+from flexdyn.effects.base import Effect
 from flexdyn.effects.extent import MotionExtent
+from flexdyn.effects.joint_effect import JointEffect
+from flexdyn.effects.parameters import parameter
 from flexdyn.errors import InputError
 
 

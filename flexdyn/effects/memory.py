@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from flexdyn import _core
 from flexdyn.arrays import Array
-from flexdyn.effects.base import JointEffect
+from flexdyn.effects.joint_effect import JointEffect
 
 
 class MemoryEffect(JointEffect, abstract=True):

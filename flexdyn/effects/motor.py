@@ -6,7 +6,7 @@ import math
 from typing import ClassVar
 
 from flexdyn.effects.actuator import ActuatorEffect
-from flexdyn.effects.base import parameter
+from flexdyn.effects.parameters import parameter
 
 
 class MotorLaw(ActuatorEffect, abstract=True):

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn.arrays import Array
-from flexdyn.effects.base import Effect, Side, Stage, parameter
+from flexdyn.effects.base import Effect, Side, Stage
 from flexdyn.effects.extent import MotionExtent
+from flexdyn.effects.parameters import parameter
 from flexdyn.effects.waves import WaveEffect
 from flexdyn.errors import InputError
 

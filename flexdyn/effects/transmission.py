@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn.arrays import Array
-from flexdyn.effects.base import JointEffect, Stage, parameter, spaced
+from flexdyn.effects.base import Stage
 from flexdyn.effects.extent import MotionExtent
+from flexdyn.effects.joint_effect import JointEffect
 from flexdyn.effects.memory import MemoryEffect
+from flexdyn.effects.parameters import parameter, spaced
 from flexdyn.effects.waves import WaveEffect
 
 

@@ -8,7 +8,8 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from flexdyn.effects.base import Effect, parameter
+from flexdyn.effects.base import Effect
+from flexdyn.effects.parameters import parameter
 
 POSITION_STEP = 1e-6
 """Amplitude of a wave in a position at which a diagnosis computes what it does [rad or m]."""

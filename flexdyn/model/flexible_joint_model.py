@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from flexdyn.arrays import Array, Flags, Indices
-from flexdyn.effects import CoulombFriction, Effect, JointElasticity, ParameterError, ViscousFriction
+from flexdyn.effects import Effect, JointElasticity, ParameterError
 from flexdyn.effects.motor import MotorLaw
 from flexdyn.errors import InputError, visible
 from flexdyn.io.locked import lock, plain
-from flexdyn.io.notebook import Public, card, table
+from flexdyn.io.notebook import Public
 from flexdyn.model.given_number import GivenNumber, link_inertias, links_entry, refusal, robot_with_links, unknown_links
 from flexdyn.model.joint import Joint, resolve_joints
 from flexdyn.model.resolved_parameters import folded
@@ -28,6 +28,8 @@ from flexdyn.model.setting_checks import (
     tolerance_checked,
 )
 from flexdyn.model.stated_tolerances import with_stated_tolerances
+from flexdyn.model.summary import as_card
+from flexdyn.model.urdf_dynamics import urdf_effects
 from flexdyn.robot import Robot
 
 EARTH = (0.0, 0.0, -9.81)
@@ -110,7 +112,7 @@ class FlexibleJointModel(Public):
         self.command = command_checked(command, robot.joint_names)
         self.links: Mapping[str, GivenNumber] = link_inertias({} if links is None else links, robot)
         self.effects: tuple[Effect, ...] = fitted(robot, self.joints, listed)
-        self.urdf_effects: tuple[Effect, ...] = _urdf_effects(robot) if urdf_dynamics == "use" else ()
+        self.urdf_effects: tuple[Effect, ...] = urdf_effects(robot) if urdf_dynamics == "use" else ()
         self.__dict__["_locked"] = True
         self.resolved()  # refuses parameter errors of numbers that do not exist
 
@@ -148,24 +150,7 @@ class FlexibleJointModel(Public):
 
     def _repr_html_(self) -> str:
         """HTML for notebooks: drives and effects."""
-        numbers = ("gear_ratio", "reflected_inertia", "stiffness", "damping")
-        drives = (
-            (name, "elastic" if each.elastic else "rigid", *(getattr(each, key) for key in numbers))
-            for name, each in self.joints.items()
-        )
-        effects = (
-            (
-                each.name,
-                getattr(each, "joint", "") or "",
-                getattr(each, "side", "") or "",
-                ", ".join(f"{field.name} {getattr(each, field.name):.4g}" for field in each.parameters()),
-            )
-            for each in self.all_effects
-        )
-        heads = ("joint", "drive", "gear", "J reflected [kg m^2]", "K [N m/rad]", "D [N m s/rad]")
-        facts = {"robot": self.robot.name, "gravity [m/s^2]": list(self.gravity), "tolerance": self.tolerance}
-        second = table(("effect", "joint", "side", "numbers"), effects)
-        return card(f"FlexibleJointModel {self.name}", facts, table(heads, drives), second)
+        return as_card(self)
 
     @property
     def n(self) -> int:
@@ -298,14 +283,3 @@ class FlexibleJointModel(Public):
             return self
         robot, joints, effects = folded(robot_with_links(self.robot, self.links), self.joints, self.effects)
         return FlexibleJointModel(robot, joints, effects, **self._settings() | {"links": unknown_links(self.links)})
-
-
-def _urdf_effects(robot: Robot) -> tuple[Effect, ...]:
-    """<dynamics damping friction> as effects on the link side: Pinocchio parses them and does not use them."""
-    effects: list[Effect] = []
-    for joint, damping, friction in zip(robot.joint_names, robot.damping, robot.friction, strict=True):
-        if damping > 0:
-            effects.append(ViscousFriction(joint, side="link", coefficient=float(damping)))
-        if friction > 0:
-            effects.append(CoulombFriction(joint, side="link", level=float(friction)))
-    return tuple(effects)

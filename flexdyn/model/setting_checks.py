@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from flexdyn.checks import as_number, check_known, number
-from flexdyn.control.commands import PD, Samples, per_joint
+from flexdyn.control.commands import PD
 from flexdyn.control.points import command_of
+from flexdyn.control.samples import Samples
+from flexdyn.control.setting_checks import per_joint
 from flexdyn.effects import Effect, JointCoupling, JointEffect, JointElasticity, Payload, SensorEffect, effect_from_dict
 from flexdyn.errors import InputError, placed, retold
 from flexdyn.io.locked import frozen

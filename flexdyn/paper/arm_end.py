@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.control.commands import PD, FrameWrench, Samples
+from flexdyn.control.commands import PD, FrameWrench
+from flexdyn.control.samples import Samples
 from flexdyn.paper import style
 from flexdyn.paper.cases import CASES_OBSERVED, PAPER_V, TORQUE_END, PaperCases, reference
 from flexdyn.paper.chapter import Chapter, figure, prose, stated

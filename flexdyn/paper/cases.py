@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn.arrays import Array
-from flexdyn.control.commands import Samples
+from flexdyn.control.samples import Samples
 from flexdyn.effects import CoulombFriction, StribeckFriction, TorqueSpeedLimit, ViscousFriction
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
 
+from flexdyn.checks import check_known
 from flexdyn.errors import InputError
 from flexdyn.io.locked import frozen
 from flexdyn.records.table import Table
-from flexdyn.records.units import UNITLESS, check_unit, unit_of, usual
+from flexdyn.records.units import UNITLESS, check_unit, split_name, unit_of, usual
 
 _LONGEST_META = 16 * 2**20
 
@@ -97,3 +98,29 @@ def settle_units(table: Table) -> None:
         if isinstance(units, dict) and unit != unit_of(name, units if isinstance(units.get(name, ""), str) else None):
             table.meta["units"] = {**units, name: unit}
     table.units = {}
+
+
+def check_units(units: Any, channels: Collection[str]) -> None:
+    """Check ``meta["units"]`` against the channels.
+
+    Raises:
+        InputError: it is no mapping of channels to units in SI.
+    """
+    if not isinstance(units, Mapping) or not all(isinstance(unit, str) for unit in units.values()):
+        raise InputError("units is not a mapping of channel to unit", key="meta.units", value=units)
+    for channel, unit in units.items():
+        check_known(channel, channels, "no such channel", key=f"meta.units.{channel}")
+        check_unit(channel, unit)
+
+
+def check_prescribed(joints: Any, channels: Collection[str]) -> None:
+    """Check ``meta["prescribed"]`` against the channels.
+
+    Raises:
+        InputError: it is no list of joints that have a channel.
+    """
+    if not isinstance(joints, tuple) or not all(isinstance(joint, str) for joint in joints):
+        raise InputError("a list of joints is needed", key="meta.prescribed", value=joints, remedy='such as ["slide"]')
+    known = {parts[1] for parts in map(split_name, channels) if parts}
+    for joint in joints:
+        check_known(joint, known, "no channel of this joint", key="meta.prescribed", value=joint)

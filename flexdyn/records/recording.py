@@ -7,20 +7,21 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
-from flexdyn.checks import Array, check_known
-from flexdyn.errors import InputError, did_you_mean, listed
-from flexdyn.io.notebook import Public, card, table
-from flexdyn.records.meta import as_plain, locked, settle_units
+from flexdyn.checks import Array
+from flexdyn.errors import InputError, did_you_mean
+from flexdyn.io.notebook import Public
+from flexdyn.records.meta import as_plain, check_prescribed, check_units, locked, settle_units
+from flexdyn.records.samples import same_samples, side_by_side
 from flexdyn.records.signals import cut, derivatives
 from flexdyn.records.signals.beside import beside
 from flexdyn.records.signals.decimate import decimated
 from flexdyn.records.signals.gaps import gaps_of
 from flexdyn.records.signals.resample import resampled
+from flexdyn.records.summary import as_card, one_line
 from flexdyn.records.table import Rows, Table, checked
-from flexdyn.records.units import check_unit, split_name, unit_of
+from flexdyn.records.units import split_name, unit_of
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -92,8 +93,8 @@ class Recording(Public):
     ) -> None:
         t, channels = checked(columns, rows, copy=copy)
         known = locked(meta)
-        _check_units(known.get("units", {}), channels)
-        _check_prescribed(known.get("prescribed", ()), channels)
+        check_units(known.get("units", {}), channels)
+        check_prescribed(known.get("prescribed", ()), channels)
         for attribute, value in (("t", t), ("channels", MappingProxyType(channels)), ("meta", known), ("name", name)):
             object.__setattr__(self, attribute, value)
 
@@ -251,10 +252,7 @@ class Recording(Public):
         Raises:
             InputError: a joint lacks the signal.
         """
-        table = np.empty((len(self.t), len(joints)))
-        for column, joint in enumerate(joints):
-            table[:, column] = self[f"{name}.{joint}"]
-        return table
+        return side_by_side(self, name, joints)
 
     resample = resampled
     decimate = decimated
@@ -274,10 +272,7 @@ class Recording(Public):
 
     def same_as(self, other: Recording) -> bool:
         """Whether times and channels are the same, bit for bit and in order; meta is not compared (CSV drops it)."""
-        if tuple(self.channels) != tuple(other.channels) or len(self) != len(other):
-            return False
-        pairs = [(self.t, other.t), *((self.channels[name], other.channels[name]) for name in self.channels)]
-        return all(np.array_equal(mine.view(np.int64), theirs.view(np.int64)) for mine, theirs in pairs)
+        return same_samples(self, other)
 
     def __eq__(self, other: object) -> bool:
         """Same samples bit for bit, same channels in the same order, same meta."""
@@ -291,42 +286,12 @@ class Recording(Public):
 
     def __repr__(self) -> str:
         """Joints, signals, duration and rate in one line."""
-        label = f"{self.name!r}, " if self.name else ""
-        joints, signals = (listed(names, 12) or "none" for names in (self.joints, self.signals))
-        extent = f"{len(self)} samples, {self.duration:.6g} s at {self.rate:.6g} Hz"
-        return f"Recording({label}joints: {joints}; signals: {signals}; {extent})"
+        return one_line(self)
 
     def _repr_html_(self) -> str:
         """HTML for notebooks: extent, gaps, and the range of each channel."""
-        facts = {
-            "samples": f"{len(self)}, {self.duration:.6g} s at {self.rate:.6g} Hz",
-            "gaps [s]": ", ".join(f"{start:.6g} to {end:.6g}" for start, end in self.gaps[:3]),
-        }
-        rows = (
-            (name, self.unit(name) or "-", float(values.min()), float(values.max()), float(values.std()))
-            for name, values in self.channels.items()
-        )
-        notes = self.meta.get("notes", ())
-        heads = ("channel", "unit", "least", "greatest", "standard deviation")
-        label = f" {self.name}" if self.name else ""
-        return card(f"Recording{label}", facts, table(heads, rows), notes=notes if isinstance(notes, tuple) else ())
+        return as_card(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Read-only mappings cannot be pickled: send plain ones, which are checked again when they are unpickled."""
         return (Recording.from_table, (Table({"t": self.t, **self.channels}, as_plain(self.meta)), self.name))
-
-
-def _check_units(units: Any, channels: Mapping[str, Array]) -> None:
-    if not isinstance(units, Mapping) or not all(isinstance(unit, str) for unit in units.values()):
-        raise InputError("units is not a mapping of channel to unit", key="meta.units", value=units)
-    for channel, unit in units.items():
-        check_known(channel, channels, "no such channel", key=f"meta.units.{channel}")
-        check_unit(channel, unit)
-
-
-def _check_prescribed(joints: Any, channels: Mapping[str, Array]) -> None:
-    if not isinstance(joints, tuple) or not all(isinstance(joint, str) for joint in joints):
-        raise InputError("a list of joints is needed", key="meta.prescribed", value=joints, remedy='such as ["slide"]')
-    known = {parts[1] for parts in map(split_name, channels) if parts}
-    for joint in joints:
-        check_known(joint, known, "no channel of this joint", key="meta.prescribed", value=joint)

@@ -12,25 +12,21 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from flexdyn.checks import Array, check_known
+from flexdyn.checks import Array
 from flexdyn.errors import InputError, did_you_mean, listed, visible
 from flexdyn.io.locked import Locked, locked_copy
-from flexdyn.io.notebook import Public, card, table
+from flexdyn.io.notebook import Public
 from flexdyn.robot.axes import Axes, with_axes
+from flexdyn.robot.frames import find_frame, last_frame
 from flexdyn.robot.joints import RobotJoint
-from flexdyn.robot.links import Inertial, Link, spatial_inertia
+from flexdyn.robot.link_numbers import size_of, with_inertial
+from flexdyn.robot.links import Inertial, Link
 from flexdyn.robot.meshes import visual_model
 from flexdyn.robot.mimic import Mimic
-from flexdyn.robot.tree import FramePlacement, Tree, spatial
+from flexdyn.robot.summary import as_card, limit_rows
+from flexdyn.robot.tree import FramePlacement, Tree
 
 _ARRAYS = ("lower", "upper", "velocity_limit", "effort_limit", "damping", "friction")
-_FRAME_ORDER = (
-    pin.FrameType.BODY,
-    pin.FrameType.OP_FRAME,
-    pin.FrameType.JOINT,
-    pin.FrameType.FIXED_JOINT,
-    pin.FrameType.SENSOR,
-)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,24 +94,11 @@ class Robot(Locked, Public):
 
     def _repr_html_(self) -> str:
         """HTML for notebooks: joints and their limits."""
-        mass = sum(inertia.mass for inertia in self.pin_model.inertias[1:])
-        facts = {"source": self.source or "a pin.Model", "moving mass": f"{mass:.4g} kg"}
-        return card(
-            f"Robot {self.name}", facts, table(("joint", "type", "range", "speed", "effort"), self.limit_rows())
-        )
+        return as_card(self)
 
     def limit_rows(self) -> list[tuple[str, str, str, str, str]]:
         """Name, type, range, speed and effort of every joint, as texts with units."""
-        return [
-            (
-                name,
-                "continuous" if self.continuous[j] else self.kinds[j],
-                f"{self.lower[j]:.4g} to {self.upper[j]:.4g} {self.angle_unit(j)}",
-                f"{self.velocity_limit[j]:.4g} {self.angle_unit(j)}/s",
-                f"{self.effort_limit[j]:.4g} {self.torque_unit(j)}",
-            )
-            for j, name in enumerate(self.joint_names)
-        ]
+        return limit_rows(self)
 
     @property
     def n(self) -> int:
@@ -143,7 +126,7 @@ class Robot(Locked, Public):
         if np.array_equal(self.tree.parent, np.arange(m) - 1):
             return self.last_frame
         leaves = [j for j in range(m) if j not in self.tree.parent]
-        ends = listed((f"'{self._last_frame(j)}'" for j in leaves), 6)
+        ends = listed((f"'{last_frame(self._model, j)}'" for j in leaves), 6)
         remedy = f"name the frame, for example one of {ends}"
         raise InputError(f"robot {self.name} is branched and has no one end", key="frame", remedy=remedy)
 
@@ -201,11 +184,7 @@ class Robot(Locked, Public):
         """
         if isinstance(name, str) and name in self._placements:
             return self._placements[name]
-        found = [entry for entry in self._model.frames if entry.name == name]
-        if not found:
-            check_known(name, self.frame_names, "no such frame", key="frame", value=name)
-        best = min(found, key=lambda entry: _FRAME_ORDER.index(entry.type))
-        place = FramePlacement(name, best.parentJoint - 1, best.placement.rotation, best.placement.translation)
+        place = find_frame(self._model, name)
         self._placements[name] = place
         return place
 
@@ -296,10 +275,7 @@ class Robot(Locked, Public):
             InputError: no such link, one without mass, or one that does not move.
         """
         self._with_inertial(link, lambda given: given)  # refuses a link without size
-        given = next(entry.inertial for entry in self._links if entry.name == link)
-        points = [joint.xyz for joint in self._joints if joint.parent == link]
-        xyz, mass = ((0.0, 0.0, 0.0), 0.0) if given is None else (given.xyz, given.mass)
-        return mass, max(float(np.linalg.norm(point)) for point in (xyz, *points))
+        return size_of(link, self._links, self._joints)
 
     def visual_model(self) -> pin.GeometryModel:
         """The shapes of the robot on the joints of pin_model; this reads the meshes. Empty for a pin.Model source."""
@@ -307,33 +283,10 @@ class Robot(Locked, Public):
 
     def _with_inertial(self, link: str, change: Callable[[Inertial], Inertial]) -> Robot:
         """The robot with the mass, centre of mass and inertia of one link changed."""
-        place = {entry.name: k for k, entry in enumerate(self._links)}.get(link)
-        if place is None:
-            names = [entry.name for entry in self._links if entry.inertial is not None]
-            remedy = did_you_mean(link, names) if names else "load the robot from a URDF, whose links have numbers"
-            raise InputError("no such link", key="link", value=link, remedy=remedy)
-        given = self._links[place].inertial
-        frame = self.frame(link)
-        if given is None or given.mass == 0.0 or frame.joint < 0:
-            problem = "the link has no mass" if frame.joint >= 0 else "the link does not move: its mass has no effect"
-            raise InputError(problem, key="link", value=link)
-        true = change(given)
-        mounted = pin.SE3(frame.rotation, frame.translation)
-        parts = [mounted.act(spatial_inertia(body)) for body in (given, true)]
-        tree = self.tree.with_body_changed(frame.joint, *parts)
-        model = self.pin_model
-        j = frame.joint
-        model.inertias[j + 1] = spatial(float(tree.mass[j]), tree.com[j], tree.inertia[j])
-        links = (*self._links[:place], replace(self._links[place], inertial=true), *self._links[place + 1 :])
-        return replace(self, source=None, tree=tree, _model=model, _links=links)
+        changed = with_inertial(link, change, self._links, self.frame, self.tree, self.pin_model)
+        return replace(self, source=None, **changed)
 
     @property
     def last_frame(self) -> str:
         """The last link, or other frame, that the last joint carries; `tip` where the arm is not branched."""
-        return self._last_frame(self.tree.m - 1)
-
-    def _last_frame(self, joint: int) -> str:
-        """The last frame of a body that moves with a joint of the tree; without one, the joint itself."""
-        mounted = [entry for entry in self._model.frames if entry.parentJoint == joint + 1]
-        bodies = [entry.name for entry in mounted if entry.type == pin.FrameType.BODY]
-        return str(bodies[-1] if bodies else self._model.names[joint + 1])
+        return last_frame(self._model, self.tree.m - 1)

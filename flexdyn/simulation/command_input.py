@@ -12,10 +12,12 @@ import numpy as np
 from flexdyn import _core
 from flexdyn.arrays import Array
 from flexdyn.checks import check_known
-from flexdyn.control.commands import PD, Controller, FrameWrench, Interpolation, Samples, State, per_joint
+from flexdyn.control.commands import PD, Controller, FrameWrench, State
 from flexdyn.control.firmware import CORE_ORDER, Firmware
 from flexdyn.control.points import COMMAND_KEYS, CommandPoints, command_of
+from flexdyn.control.samples import Samples
 from flexdyn.control.servo import Servo
+from flexdyn.control.setting_checks import Interpolation, per_joint
 from flexdyn.errors import InputError, placed
 from flexdyn.io.yaml import read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel

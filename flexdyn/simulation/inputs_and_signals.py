@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from flexdyn.arrays import Array
-from flexdyn.control.commands import PD, Controller, FrameWrench, Samples
+from flexdyn.control.commands import PD, Controller, FrameWrench
+from flexdyn.control.samples import Samples
 from flexdyn.control.servo import Servo
 
 SIGNALS = ("q", "theta", "v", "omega", "tau", "tau_applied", "tau_s")

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 
 from flexdyn import _core
 from flexdyn.checks import Array, as_numbers, number
-from flexdyn.control.commands import Samples, checked_rate
+from flexdyn.control.samples import Samples
+from flexdyn.control.setting_checks import checked_rate
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.command_input import Drive, lower_wrenches, make_drive

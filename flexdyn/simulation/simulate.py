@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 
 from flexdyn import _core
 from flexdyn.checks import whole
-from flexdyn.control.commands import PD, Controller, FrameWrench, Samples
+from flexdyn.control.commands import PD, Controller, FrameWrench
+from flexdyn.control.samples import Samples
 from flexdyn.errors import FlexdynError, InputError, SimulationError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.initial_state import Start

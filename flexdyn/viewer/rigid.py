@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from flexdyn.control.commands import PD, Controller, Samples
+from flexdyn.control.commands import PD, Controller
+from flexdyn.control.samples import Samples
 from flexdyn.control.servo import Servo
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel

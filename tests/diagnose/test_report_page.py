@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.control.commands import PD, Samples
+from flexdyn.control.commands import PD
+from flexdyn.control.samples import Samples
 from flexdyn.diagnose.report.digits import percent, probability_text, rounded, times
 from flexdyn.diagnose.report.measures import Gap, JointError, Left, RecordingSpan, ResidualPlace, SignalError
 from flexdyn.diagnose.report.pictures import PICTURES

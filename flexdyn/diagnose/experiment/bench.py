@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.control.commands import PD, Samples
+from flexdyn.control.commands import PD
+from flexdyn.control.samples import Samples
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.experiment.apart import Known, Refit, refitted, space_along, windowed, with_load
 from flexdyn.diagnose.experiment.moves import PlannedMotion

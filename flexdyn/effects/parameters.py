@@ -1,0 +1,71 @@
+"""The parameters of effects: their fields with unit and bounds, the check of a value, grids of values."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+
+from flexdyn.checks import as_number
+from flexdyn.errors import InputError
+
+USUAL_SIZES = {"N m": 1.0, "N m s/rad": 0.5, "N m/rad": 100.0, "rad": 0.01, "rad/s": 0.5, "s": 0.01}
+"""Unit -> a typical value in it, with which the documentation shows an effect."""
+
+
+def parameter(
+    unit: str,
+    *,
+    lower: float = -math.inf,
+    strict: bool = False,
+    infinite: bool = False,
+    default: Any = dataclasses.MISSING,
+) -> Any:
+    """A parameter of an effect.
+
+    Args:
+        unit: for a revolute joint; for a prismatic one N m becomes N and rad becomes m.
+        lower: lower bound.
+        strict: whether the value must be above `lower`, not equal to it.
+        infinite: whether the value may be infinite; a neutral value always may.
+        default: value if none is given; without a default a value is required.
+    """
+    metadata = {"unit": unit, "lower": lower, "strict": strict, "infinite": infinite}
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def spaced(first: float, last: float, count: int) -> tuple[float, ...]:
+    """A geometric grid from the first to the last value."""
+    return tuple(float(value) for value in np.geomspace(first, last, count))
+
+
+def checked_number(effect: str, field: dataclasses.Field[Any], value: Any, neutral: float) -> float:
+    """A parameter's value as a number.
+
+    Args:
+        effect: name of the effect, for messages.
+        field: the parameter, made by `parameter`.
+        value: as the user gave it.
+        neutral: its neutral value, which may be infinite; NaN: it has none.
+
+    Raises:
+        InputError: it is no number, or outside its bounds.
+    """
+    place = f"{effect}.{field.name}"
+    unit, lower, strict, infinite = (field.metadata[key] for key in ("unit", "lower", "strict", "infinite"))
+    number = as_number(value)
+    if math.isnan(number):
+        raise InputError("a number is needed", key=place, value=value, remedy=f"give it in {unit}")
+    if math.isinf(number) and not infinite and number != neutral:
+        raise InputError("it must be finite", key=place, value=number)
+    if number < lower or (strict and number == lower):
+        bound = f"above {lower:g}" if strict else f"at least {lower:g}"
+        raise InputError(f"it must be {bound} [{unit}]", key=place, value=number)
+    return number
+
+
+def unit_for(unit: str, *, prismatic: bool) -> str:
+    """The unit of a parameter on this kind of joint: for a prismatic joint N m becomes N, and rad becomes m."""
+    return unit.replace("N m", "N").replace("rad", "m") if prismatic else unit
