@@ -24,7 +24,7 @@ FitArgument = Annotated[
 ]
 CHECK_OPTION = option(
     "CHECK...",
-    "Test data, which no decision reads. Default: the last fifth of what moves in every recording of FIT.",
+    "Test data, which no decision reads. Default: the last fifth of the motion in every recording of FIT.",
     diagnose_inputs.CHECK,
 )
 MAPS_OPTION = option(

@@ -40,7 +40,7 @@ def play(
     ] = None,
     html: Annotated[Path | None, option("FILE", "Write one HTML file that plays offline, and serve nothing.")] = None,
     magnify: Annotated[
-        str | None, option("F", "Factor of theta - q on the dials. Default: so that it shows well.")
+        str | None, option("F", "Factor of theta - q on the dials. Default: one that makes the deflection easy to see.")
     ] = None,
     no_open: Annotated[bool, flag("--no-open", "Do not open the browser.")] = False,
 ) -> None:

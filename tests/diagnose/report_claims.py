@@ -56,7 +56,7 @@ CLAIMS: tuple[tuple[str, Any], ...] = (
     (r"(\d+) of the (\d+) ranked structures hold (?:it|one of these names)\.", evidence.some_of),
     (rf"The best one without (?:it|them) has (.+?) instead; its log evidence is (lower|higher) by {X}, its probability"
      rf" {P}\.", evidence.without_it),
-    (r"These data do not tell which of these it is:", evidence.rivals),
+    (r"These effects explain the data equally well:", evidence.rivals),
     (rf"^(.+?)(?: \((.+)\))?: probability {P}$", evidence.rival),
     (rf"Noise alone leaves {X} %\.", other.noise_leaves),
     (rf"dashed: noise alone, {X}", other.dashed),
@@ -67,7 +67,7 @@ CLAIMS: tuple[tuple[str, Any], ...] = (
     (r"Nothing: no finding waits for another measurement\.", other.nothing_to_measure),
     (r"More motion of (\S+)(?: \((.+?)\))?, slower, with the other joints at rest: a law that the catalogue lacks is"
      r" seen best where nothing else moves\.", other.more_motion),
-    (r"The same motion again: a residual that does not repeat is no law of the arm's state\.", other.once_more),
+    (r"The same motion again: a residual that depends only on the arm's state repeats\.", other.once_more),
     (r"A second recording of another motion, to test the answer on data that no decision has used\.",
      other.second_recording),
     (r"Run the diagnosis to its end: it needs no new measurement\.", other.to_its_end),
@@ -85,7 +85,7 @@ CONSTANT = (
     r"before after: the corrected model",
     r"What the corrected model leaves beyond noise\..*?not sensor noise\.",
     r"Of the calibrated model, before the findings were added\..*?through the spring\.",
-    r"Of the sum of squares of what the equations leave.*?share differently\.",
+    r"The gap is here the sum of squares.*?share differently\.",
     r"Behind each name: its stated tolerance, one standard deviation\.",
     r"Those below 0\.1 are left out\..*?each by itself\.",
     r"A structure is a set of effects.*?that hold it\.",

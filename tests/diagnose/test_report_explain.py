@@ -31,7 +31,9 @@ def test_one_of_several_names() -> None:
     """What it cannot be told from, what that has together, and what would tell; the search's own note comes last."""
     told = cases.explained().explain("presliding_friction@elbow")
     assert "Named as one of 3: together they have probability 0.996; alone it has 0.21 (unlikely)." in told
-    assert "These data do not tell it from Stribeck friction on the motor side of elbow (probability 0.71) and" in told
+    assert (
+        "The data do not separate it from Stribeck friction on the motor side of elbow (probability 0.71) and" in told
+    )
     assert f"What would tell them apart: {cases.SWEEPS}" in told
     assert told.endswith(cases.RIVAL_NOTE)
 

@@ -82,8 +82,8 @@ def _of_sums(found: Corrected) -> Iterator[str]:
     beside = completing(found.space, found.masses, found.names, {c for c in found.genuine if found.effect(c)})
     for candidate in (found.candidates[c] for c in sorted(beside)):
         yield (
-            f"The corrected model has {effect_name(candidate.kind)} on {candidate.spot[0]} as well: what the rival of"
-            " a finding has beyond it is certain, and only its cause is open."
+            f"The corrected model has {effect_name(candidate.kind)} on {candidate.spot[0]} as well. A rival of a"
+            " finding includes it. That it acts is certain; only its cause is open."
         )
 
 

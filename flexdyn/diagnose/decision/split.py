@@ -87,7 +87,7 @@ def parts(model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[R
     Args:
         model: that names the joints.
         fit: recordings to learn from.
-        check: test data; none: the last fifth of what moves in every recording of `fit`, or the last ones of short
+        check: test data; none: the last fifth of the motion in every recording of `fit`, or the last ones of short
             recordings. Where too little would be left to fit, all is fitted, and nothing is test data.
 
     Raises:

@@ -249,7 +249,7 @@ class Statistics:
 class Shares:
     """Shares of the gap on the test data that add up to 1: models are made better one step after the other.
 
-    The gap is the sum of squares of what the equations leave, in units of noise, of the model as given.
+    The gap is here the sum of squares of the residuals of the equations of the model as given, in units of noise.
 
     Attributes:
         calibration: removed by changing the file's numbers to those of the corrected model [1].

@@ -74,7 +74,7 @@ def next_measurements(diagnosis: Diagnosis) -> list[str]:
             " is seen best where nothing else moves."
             for joint, regime in (places or [(each.joint, "") for each in diagnosis.left])[:2]
         ]
-        wanted.append("The same motion again: a residual that does not repeat is no law of the arm's state.")
+        wanted.append("The same motion again: a residual that depends only on the arm's state repeats.")
     if diagnosis.gap_test is None and diagnosis.verdict != "interrupted":
         wanted.append("A second recording of another motion, to test the answer on data that no decision has used.")
     return wanted
