@@ -28,6 +28,7 @@ ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results"
 sys.path.insert(0, str(ROOT / "benchmarks"))
 
+from lines_table import lines_table  # noqa: E402
 from result_tables import (  # noqa: E402
     MEASURED,
     accuracy_table,
@@ -115,6 +116,7 @@ OF_RESULTS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "effect_checks": ("effects", effect_checks_table),
     "fuzz": ("fuzz", fuzz_table),
     "libraries": ("libraries", libraries_table),
+    "lines": ("lines", lines_table),
     "long_runs": ("long_runs", long_runs_table),
     "random_growth": ("random_growth", growth_table),
     "random_runs": ("random_runs", random_runs_table),

@@ -58,6 +58,7 @@ TABLES = [
     "formats",
     "fuzz",
     "libraries",
+    "lines",
     "long_runs",
     "measured",
     "measured_names",
