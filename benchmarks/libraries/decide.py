@@ -1,7 +1,7 @@
 """Libraries against our own code: who is right on what users have, and who is faster.
 
     python benchmarks/libraries/decide.py -o benchmarks/results/libraries.json
-    python benchmarks/libraries/decide.py --only csv_files -o benchmarks/results/libraries.json
+    python benchmarks/libraries/decide.py --only mat_files -o benchmarks/results/libraries.json
 
 Our own code stays where the library is wrong on an input on which ours is right, needs more than twice the processor
 time, or is not there in a plain installation; else the library takes its place. With `--only`, the other comparisons of
@@ -25,7 +25,7 @@ from comparison import Comparison
 from measure import write_results
 from result_tables import libraries_table
 
-PARTS = ("csv_files", "bag_messages", "study_store", "spectra")
+PARTS = ("mat_files", "csv_files", "bag_messages", "study_store", "spectra")
 
 
 def main() -> int:
