@@ -1,49 +1,76 @@
-"""Which of two structures is told: an exchange of laws must name the new one, and cost no other effect its name."""
+"""Which structure is told, on a slide whose friction is known, from whatever structure the search ends with."""
 
 from __future__ import annotations
 
-import importlib
-from types import SimpleNamespace
-from typing import Any
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-TOLD = importlib.import_module("flexdyn.diagnose.decision.told")
-KEPT, EXCHANGED, NEW = 1, 2, 3
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.decision.corrected import Corrected
+from flexdyn.diagnose.decision.one_law import by_plainer_laws, with_best
+from flexdyn.diagnose.decision.told import told
+from flexdyn.diagnose.hypothesis.fitted import Workspace
+from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.inference.passes import Posterior, posterior
+from tests.diagnose.slides import RATE, model, recording
+
+UP, DOWN = 7.0, 3.0
+PARTS = {"coulomb_friction", "torque_offset"}
+LAW = {"asymmetric_friction"}
 
 
-def _posterior(*candidates: int) -> Any:
-    """With these in its best structure."""
-    return SimpleNamespace(best=frozenset((c, 0) for c in candidates))
+def searched(
+    folder: Path, down: float, motor: Callable[[float], float] = float, seconds: float = 3.0
+) -> tuple[Posterior, Workspace]:
+    """What the search finds on a slide with these friction levels, and the weighted equations of the plain model."""
+    given = model(folder)
+    record = recording(lambda v: UP if v > 0.0 else -down, motor, seconds)
+    bare, noise, start = prepared(given, (measured(given, record),))
+    found = posterior(bare, noise, start)
+    return found, weighed(bare, found.noise, found.fitted.space.whiten.mask)
 
 
-@pytest.mark.parametrize(
-    ("before", "after", "exchanged"),
-    [
-        ({KEPT, EXCHANGED}, {KEPT, NEW}, True),
-        ({KEPT}, {KEPT, NEW}, True),
-        ({KEPT}, {NEW}, False),  # the name of what stays would be lost
-        ({KEPT}, {KEPT}, False),  # what was put in place has no name
-    ],
-)
-def test_an_exchange_names_the_new_law_and_costs_no_other_name(
-    monkeypatch: pytest.MonkeyPatch, before: set[int], after: set[int], exchanged: bool
+def ended_with(found: Posterior, kinds: set[str]) -> Posterior:
+    """As if the search had ended with these effects of the motor."""
+    places = {each.kind: c for c, each in enumerate(found.space.candidates) if each.spot == ("lift", "motor")}
+    return with_best(found, frozenset((places[kind], 0) for kind in kinds))
+
+
+def kinds_of(found: Posterior) -> set[str]:
+    """Effects of the best structure."""
+    return {found.space.candidates[c].kind for c, _ in found.best}
+
+
+def names_of(found: Posterior, answer: Corrected) -> set[str]:
+    """Effects that have names."""
+    return {found.space.candidates[each.candidate].kind for each in answer.names}
+
+
+@pytest.mark.parametrize(("down", "truth"), [(DOWN, "asymmetric_friction"), (UP, "coulomb_friction")])
+def test_the_true_law_is_told_from_its_parts_and_from_a_law_that_contains_it(
+    tmp_path: Path, down: float, truth: str
 ) -> None:
-    """What is named is given here; the exchange itself is that of `by_plainer_laws`."""
-    one, other = _posterior(KEPT, EXCHANGED), _posterior(KEPT, NEW)
-    named = {id(one): before, id(other): after}
+    """Two laws that are together the true one give way to it, and so does a law with a level too many."""
+    found, plain = searched(tmp_path, down)
+    for kinds in (PARTS, LAW):
+        answer, model_of_it = told(ended_with(found, kinds), plain)
+        assert kinds_of(answer) == names_of(answer, model_of_it) == {truth}
 
-    def corrected(found: Any, *_: object) -> Any:
-        names = [SimpleNamespace(candidate=c) for c in named[id(found)]]
-        return SimpleNamespace(names=names, genuine={})
 
-    monkeypatch.setattr(TOLD, "corrected", corrected)
-    monkeypatch.setattr(TOLD, "needed_in_fits", lambda found: found)
-    monkeypatch.setattr(TOLD, "rivals_in_fits", lambda found: found)
-    monkeypatch.setattr(TOLD, "by_plainer_laws", lambda found, genuine: other)
-    monkeypatch.setattr(TOLD, "in_one_law", lambda found, names: found)
-    monkeypatch.setattr(TOLD, "_without_imitations", lambda compared, found: compared)
-    plain = SimpleNamespace(equations=SimpleNamespace(replayed=np.array([False])))
-    told, _ = TOLD.told(one, plain)
-    assert told is (other if exchanged else one)
+@pytest.mark.slow
+def test_a_law_does_not_give_way_to_one_that_has_no_name(tmp_path: Path) -> None:
+    """Under an unknown force a damping of two coefficients may be an imitation; one coefficient has no name either."""
+    window = np.hanning(600)
+    samples = round(4.0 * RATE)
+    wander = np.convolve(
+        np.random.default_rng(4).standard_normal(samples + 600), window / np.linalg.norm(window), "valid"
+    )[:samples]
+    unknown = iter((0.5 * (wander - wander.mean())).tolist())
+    found, plain = searched(tmp_path, DOWN, lambda force: force + next(unknown), 4.0)
+    answer, model_of_it = told(found, plain)
+    assert kinds_of(answer) == {"asymmetric_friction", "asymmetric_viscous_friction"}
+    assert "viscous_friction" in kinds_of(by_plainer_laws(answer, model_of_it.genuine))
+    assert names_of(answer, model_of_it) == {"asymmetric_friction"}
