@@ -62,8 +62,14 @@ def page(title: str, entries: list[tuple[str, str, Any]]) -> str:
             kind, options = "autoclass", "   :members:\n"
         parts.append(f"## {shown}\n\n```{{eval-rst}}\n.. {kind}:: {path}\n{options}```\n")
         if inspect.isclass(thing) and issubclass(thing, fd.effects.Effect) and thing in fd.effects.catalogue().values():
-            parts.append(f"```text\nfd.effects.{thing.example('elbow')}\n```\n")
+            parts.append(f"```pycon\n{example(thing)}\n```\n")
     return "\n".join(parts)
+
+
+def example(kind: type[fd.effects.Effect]) -> str:
+    """An effect with typical parameters, and what a model file has for it: the same example for every class."""
+    made = kind.example("elbow")
+    return f">>> fd.effects.{made}.to_dict()\n{made.to_dict()}"
 
 
 def first_sentence(title: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import importlib
 import json
 import re
@@ -97,6 +98,17 @@ def test_every_public_name_is_in_the_reference(scripts: dict[str, ModuleType], t
     assert {path.rpartition(".")[2] for path in shown} >= {"RungeKutta4", "DormandPrince", "Rosenbrock", "TimeStepping"}
     index = (tmp_path / "index.md").read_text(encoding="utf-8")
     assert all(f"[`fd.{name}`]" in index for name in fd.__all__ if name not in ("effects", "solvers"))
+
+
+def test_every_effect_of_the_reference_has_an_example_that_runs(scripts: dict[str, ModuleType], tmp_path: Path) -> None:
+    """Its constructor as text makes the same effect, and its model file's entry stands below."""
+    scripts["api"].write(tmp_path)
+    text = (tmp_path / "effects.md").read_text(encoding="utf-8")
+    shown = "\n".join(re.findall(r"^```pycon\n(.*?)^```$", text, flags=re.MULTILINE | re.DOTALL))
+    test = doctest.DocTestParser().get_doctest(shown, {"fd": fd}, "effects", None, None)
+    assert len(test.examples) == len(fd.effects.catalogue())
+    said: list[str] = []
+    assert doctest.DocTestRunner(verbose=False).run(test, out=said.append).failed == 0, "".join(said)
 
 
 def test_links_lead_to_the_pages_of_the_site(scripts: dict[str, ModuleType]) -> None:

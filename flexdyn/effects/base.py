@@ -80,6 +80,11 @@ class Effect:
         small_size: size of what it is linear in at which a diagnosis computes what it does; `small` may depend on more.
         unproposed: parameters that keep their default where a diagnosis proposes the effect.
         late_by: the parameter by which it shifts a signal in time [s]; empty: it shifts none.
+
+    Example:
+        >>> friction = fd.effects.CoulombFriction("elbow", side="motor", level=0.2)
+        >>> friction.torque(x=0.0, u=[-1.0, 0.0, 1.0])
+        array([-0.2,  0. ,  0.2])
     """
 
     name: ClassVar[str]
@@ -273,5 +278,10 @@ class Effect:
 
 
 def registered() -> Mapping[str, type[Effect]]:
-    """Every effect class defined so far, users' own included, by name."""
+    """Every effect class defined so far, users' own included, by name.
+
+    Example:
+        >>> fd.effects.registered()["payload"]
+        <class 'flexdyn.effects.link.Payload'>
+    """
     return dict(_registry)

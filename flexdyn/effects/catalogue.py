@@ -24,7 +24,12 @@ FILES = (
 
 
 def catalogue() -> dict[str, type[Effect]]:
-    """All effects by name: flexdyn's own in the order of the catalogue, then the users' own."""
+    """All effects by name: flexdyn's own in the order of the catalogue, then the users' own.
+
+    Example:
+        >>> list(fd.effects.catalogue())[:2]
+        ['viscous_friction', 'coulomb_friction']
+    """
     place = {f"flexdyn.effects.{file}": k for k, file in enumerate(FILES)}
     known = registered()
     return {name: known[name] for name in sorted(known, key=lambda name: place.get(known[name].__module__, len(FILES)))}
@@ -46,6 +51,10 @@ def effect_from_dict(entry: Any) -> Effect:
 
     Raises:
         InputError: an unknown effect, a parameter missing, unknown or out of bounds.
+
+    Example:
+        >>> fd.effects.effect_from_dict({"effect": "coulomb_friction", "joint": "elbow", "side": "motor", "level": 0.2})
+        CoulombFriction(joint='elbow', side='motor', level=0.2)
     """
     if not isinstance(entry, Mapping):
         raise InputError("an effect is a mapping", value=entry, remedy="write {effect: NAME, joint: NAME, ...}")

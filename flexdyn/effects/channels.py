@@ -42,6 +42,11 @@ def measure(effects: Iterable[SensorEffect], x: ArrayLike, t: ArrayLike) -> Arra
         effects: on this channel; neutral ones change nothing, bit for bit.
         x: the true channel (samples,).
         t: times of the samples [s].
+
+    Example:
+        >>> errors = [fd.effects.SensorGain("q.elbow", gain=0.5), fd.effects.SensorOffset("q.elbow", offset=0.25)]
+        >>> fd.effects.measure(errors, x=[0.0, 1.0], t=[0.0, 0.01])
+        array([0.25, 1.75])
     """
     channel = np.asarray(x, dtype=float)
     acting = [effect for effect in effects if not effect.is_neutral]
@@ -84,6 +89,11 @@ def recovered(effects: Iterable[SensorEffect], reported: ArrayLike, t: ArrayLike
         effects: on this channel; those that make it late are passed over.
         reported: the measured channel (samples,).
         t: times of the samples [s].
+
+    Example:
+        >>> errors = [fd.effects.SensorGain("q.elbow", gain=0.5), fd.effects.SensorOffset("q.elbow", offset=0.25)]
+        >>> fd.effects.recovered(errors, reported=[0.25, 1.75], t=[0.0, 0.01])
+        array([0., 1.])
     """
     acting = [effect for effect in instant(effects) if not effect.is_neutral]
     x = _newton([effect for effect in acting if not isinstance(effect, _ORDER)], np.asarray(reported, float), t)

@@ -10,7 +10,12 @@ from flexdyn.errors import InputError
 
 
 class JointEffect(Effect, abstract=True):
-    """An effect on one joint, on one side of its transmission."""
+    """An effect on one joint, on one side of its transmission.
+
+    Example:
+        >>> fd.effects.Backlash("elbow", half_gap=0.01).side  # the only one that is possible
+        'transmission'
+    """
 
     joint: str = dataclasses.field(kw_only=False)
     side: Side | None = None

@@ -15,6 +15,11 @@ class MemoryEffect(JointEffect, abstract=True):
 
     While u keeps its sign, z depends on the covered distance s and not on time: ``dz/ds = sgn(u) - z/reach``, so ``z ->
     sgn(u) reach`` after a few times the reach.
+
+    Example:
+        >>> contact = fd.effects.PreslidingFriction("elbow", side="link", level=0.5, stiffness=100.0)
+        >>> contact.along([0.0, 0.001, 1.0]).round(3)  # a spring at first, then the friction level
+        array([0.   , 0.091, 0.5  ])
     """
 
     no_torque = "it depends on the path: use along(x)"

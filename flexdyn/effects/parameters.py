@@ -31,6 +31,15 @@ def parameter(
         strict: whether the value must be above `lower`, not equal to it.
         infinite: whether the value may be infinite; a neutral value always may.
         default: value if none is given; without a default a value is required.
+
+    Example:
+        >>> class Magnet(fd.effects.JointEffect):
+        ...     sides, stage = ("link",), "link"
+        ...     stiffness: float = fd.effects.parameter("N m/rad", lower=0.0)
+        ...     def torque(self, x, u, *, t=0.0, tau=0.0):
+        ...         return -self.stiffness * np.asarray(x)
+        >>> Magnet("elbow", stiffness=4.0).torque(0.5, 0.0)
+        np.float64(-2.0)
     """
     metadata = {"unit": unit, "lower": lower, "strict": strict, "infinite": infinite}
     return dataclasses.field(default=default, metadata=metadata)
@@ -67,5 +76,10 @@ def checked_number(effect: str, field: dataclasses.Field[Any], value: Any, neutr
 
 
 def unit_for(unit: str, *, prismatic: bool) -> str:
-    """The unit of a parameter on this kind of joint: for a prismatic joint N m becomes N, and rad becomes m."""
+    """The unit of a parameter on this kind of joint: for a prismatic joint N m becomes N, and rad becomes m.
+
+    Example:
+        >>> fd.effects.unit_for("N m s/rad", prismatic=True)
+        'N s/m'
+    """
     return unit.replace("N m", "N").replace("rad", "m") if prismatic else unit

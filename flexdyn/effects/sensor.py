@@ -28,6 +28,10 @@ class SensorEffect(Effect, abstract=True):
 
     Class attributes:
         signals: signals that it can act on; empty means any.
+
+    Example:
+        >>> fd.effects.SensorOffset("q.elbow", offset=0.25).measured(x=[0.0, 1.0], t=[0.0, 0.01])
+        array([0.25, 1.25])
     """
 
     sides: ClassVar[tuple[Side, ...]] = ("sensor",)

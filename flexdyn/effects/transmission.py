@@ -100,6 +100,10 @@ class DeflectionEffect(TransmissionEffect, abstract=True):
 
     Class attributes:
         of_rotor: what it adds depends on the rotor's position alone, and the true deflection goes in.
+
+    Example:
+        >>> fd.effects.Backlash("elbow", half_gap=0.25).deflection([-1.0, 0.0, 1.0])  # beyond the gap on either side
+        array([-0.75,  0.  ,  0.75])
     """
 
     stage = "deflection"

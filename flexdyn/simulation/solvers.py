@@ -23,7 +23,12 @@ __all__ = [
 
 @dataclass(frozen=True, kw_only=True)
 class Solver:
-    """Base of the solvers' settings."""
+    """Base of the solvers' settings.
+
+    Example:
+        >>> fd.solvers.TimeStepping(step=2e-3).to_dict()
+        {'name': 'TimeStepping', 'step': 0.002}
+    """
 
     def __post_init__(self) -> None:
         """Check every setting: numbers above 0."""
@@ -52,6 +57,11 @@ class RungeKutta4(Solver):
     Args:
         step: [s].
         smoothing: width eps of tanh(u/eps), which replaces Sgn(u) [rad/s]; without it dry friction is refused.
+
+    Example:
+        >>> solver = fd.solvers.RungeKutta4(step=1e-4, smoothing=1e-3)
+        >>> fd.simulate(fd.load_model("scara_two_link"), duration=0.1, v0=[0.5, 0.0], solver=solver).q.shape
+        (101, 2)
     """
 
     step: float
@@ -83,6 +93,11 @@ class DormandPrince(_Adaptive):
             smoothed to tanh(u/smoothing) [rad/s], and a loaded joint creeps.
         max_steps: a run that tries more steps fails, and the error says why they are so short; switches of the command
             do not count. Default: 200,000 and 50,000 more for every simulated second.
+
+    Example:
+        >>> solver = fd.solvers.DormandPrince(rtol=1e-6, atol=1e-8)
+        >>> fd.simulate(fd.load_model("scara_two_link"), duration=0.1, v0=[0.5, 0.0], solver=solver).q.shape
+        (101, 2)
     """
 
     rtol: float = 1e-8
@@ -101,6 +116,12 @@ class Rosenbrock(_Adaptive):
         max_step: [s].
         smoothing: as in `DormandPrince`.
         max_steps: likewise. Default: 50,000 and 40,000 more for every simulated second.
+
+    Example:
+        >>> dry = [fd.effects.PreslidingFriction("elbow", side="link", level=0.1, stiffness=1e5)]
+        >>> arm = fd.load_model("scara_two_link").replace(effects=dry)
+        >>> fd.simulate(arm, duration=0.1, v0=[0.5, 0.0], solver=fd.solvers.Rosenbrock(rtol=1e-5)).q.shape
+        (101, 2)
     """
 
     rtol: float = 1e-6
@@ -115,6 +136,11 @@ class DormandPrinceThenRosenbrock(Solver):
 
     Args:
         until: Rosenbrock takes over at the first step that ends at this time or later [s].
+
+    Example:
+        >>> solver = fd.solvers.DormandPrinceThenRosenbrock(until=0.05)
+        >>> fd.simulate(fd.load_model("scara_two_link"), duration=0.1, v0=[0.5, 0.0], solver=solver).q.shape
+        (101, 2)
     """
 
     until: float
@@ -129,6 +155,13 @@ class TimeStepping(Solver):
 
     Args:
         step: [s].
+
+    Example:
+        >>> dry = [fd.effects.CoulombFriction("elbow", side="link", level=0.1)]
+        >>> arm = fd.load_model("scara_two_link").replace(effects=dry)
+        >>> run = fd.simulate(arm, duration=0.1, solver=fd.solvers.TimeStepping(step=1e-3))
+        >>> bool((run.v[:, 1] == 0.0).all())  # friction holds the elbow: no creep
+        True
     """
 
     step: float = 1e-3
@@ -148,6 +181,10 @@ def make_solver(name: str, **settings: float | None) -> Solver:
 
     Raises:
         InputError: no such solver, a setting that it does not have, or a missing one.
+
+    Example:
+        >>> fd.solvers.make_solver("DormandPrince", rtol=1e-6).rtol
+        1e-06
     """
     if name not in SOLVERS:
         raise InputError("no such solver", key="solver", value=name, remedy=did_you_mean(name, [*SOLVERS, "auto"]))
