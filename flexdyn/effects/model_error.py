@@ -6,11 +6,12 @@ import dataclasses
 import re
 from typing import Any
 
-from flexdyn.effects import base
+from flexdyn.effects import parameters
+from flexdyn.effects.base import Effect
 from flexdyn.errors import InputError
 
 
-class ParameterError(base.Effect):
+class ParameterError(Effect):
     """A number of the model file or of the URDF is wrong: ``true = factor given``.
 
     The numbers are: of a joint ``gear_ratio``, ``rotor_inertia``, ``stiffness``, ``damping``, and ``urdf_damping`` and
@@ -33,7 +34,7 @@ class ParameterError(base.Effect):
 
     of: str = dataclasses.field(kw_only=False)
     parameter: str
-    factor: float = base.parameter("1", lower=0.0, strict=True)
+    factor: float = parameters.parameter("1", lower=0.0, strict=True)
 
     def __post_init__(self) -> None:
         """Check the factor, and that the names are names."""
