@@ -13,8 +13,10 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.covariance import coefficients, passed_torque, whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.held_torque import centred
+from flexdyn.diagnose.equations.match import match
 from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.equations.terms import applied_torque, of_joint, torque_slope
+from flexdyn.simulation.link_side import LinkSide
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, RATE, Array, Levels
 from tests.oracles.integrate import held
@@ -54,6 +56,13 @@ def test_a_torque_that_jumps_is_limited_before_it_is_smoothed() -> None:
     expected = at.filters.first.apply(centred(clipped[:, None]), 0)[:, 0]
     np.testing.assert_allclose(found, expected, atol=1e-5)
     assert np.abs(found - np.clip(along.tau[:, 1], -0.9, 0.9)).max() > 0.3
+
+
+def test_units_and_signs_are_checked_against_a_model_that_has_the_limit() -> None:
+    """The check takes fewer samples than were recorded, and the torque that the limit leaves."""
+    at = _limited(_slow(), 1)
+    found = match(at.true, LinkSide(at.true), at.data[0])
+    np.testing.assert_allclose(found.gain, 1.0, atol=0.05)
 
 
 def test_the_noise_of_a_limited_torque_is_that_of_its_free_rows() -> None:
