@@ -19,8 +19,8 @@ from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.candidate_matrix import NEGLIGIBLE_SHARE
-from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.library import Library
+from flexdyn.diagnose.inference.model_error import ModelError, Seen
 from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE
 from flexdyn.diagnose.inference.products import Products
 from flexdyn.diagnose.inference.space import Space, Structure
@@ -141,11 +141,11 @@ class Case:
         """Rows that say something."""
         return Seen(self.valid, LENGTHS)
 
-    def noise(self, scale: Sequence[float] = (1.0, 1.0), times: Sequence[float] = (1.0, 1.0)) -> Discrepancy:
+    def noise(self, scale: Sequence[float] = (1.0, 1.0), times: Sequence[float] = (1.0, 1.0)) -> ModelError:
         """A model error of such a size and memory."""
-        return Discrepancy(np.array(scale), np.array(times), self.valid.sum(axis=0).astype(float))
+        return ModelError(np.array(scale), np.array(times), self.valid.sum(axis=0).astype(float))
 
-    def space(self, noise: Discrepancy | None = None) -> Space:
+    def space(self, noise: ModelError | None = None) -> Space:
         """Under a model error; of none if it is not said."""
         candidates, columns, place = [], [], len(self.always.std)
         for each in self.given:
@@ -168,7 +168,7 @@ class Case:
         assert found is not None
         return found
 
-    def dense(self, structure: Structure, noise: Discrepancy) -> Dense:
+    def dense(self, structure: Structure, noise: ModelError) -> Dense:
         """The posterior of a structure under the weights of a model error."""
         small = [each.negligible() for each in self.given]
         first = [self.always, *(each for each in small if each is not None)]
@@ -186,7 +186,7 @@ class Case:
         own = tuple(slice(a, b) for a, b in pairwise(ends))
         return Dense(X, y, tuple(blocks), own, std, prior, mean, inverse @ inverse.T)
 
-    def value(self, structure: Structure, noise: Discrepancy) -> float:
+    def value(self, structure: Structure, noise: ModelError) -> float:
         """Log posterior of a structure but for what is the same of all: its parts one after another."""
         at = self.dense(structure, noise)
         off = (at.mean - at.prior) / at.std
@@ -200,7 +200,7 @@ class Case:
         total += sum(float(n / t) * most_likely(float(s / n)) for s, n, t in sizes)
         return total + self.log_prior(structure, noise) + self.log_large(structure, noise)
 
-    def log_prior(self, structure: Structure, noise: Discrepancy) -> float:
+    def log_prior(self, structure: Structure, noise: ModelError) -> float:
         """Of the places, the grid points and what a law costs that forgets the torque."""
         kinds = [each.kind for each in self.given]
         held = [self.given[c] for c, _ in structure]
@@ -220,7 +220,7 @@ class Case:
                 total -= WHOLE_NUMBER_LOG_ODDS
         return total
 
-    def log_large(self, structure: Structure, noise: Discrepancy) -> float:
+    def log_large(self, structure: Structure, noise: ModelError) -> float:
         """That every effect is large enough by itself, every number positive, and what a gain does to the density."""
         at, total = self.dense(structure, noise), 0.0
         for (c, _), block, own in zip(sorted(structure), at.blocks, at.own, strict=True):
@@ -235,7 +235,7 @@ class Case:
             total += float(norm.logcdf((size - block.smallest) / spread))
         return total
 
-    def own_part(self, c: int, does: Array, noise: Discrepancy) -> float:
+    def own_part(self, c: int, does: Array, noise: ModelError) -> float:
         """Share of what a law does that Coulomb friction at the same joint, and what all structures hold, cannot do."""
         me = self.given[c]
         plain = [

@@ -16,7 +16,7 @@ from flexdyn.diagnose.decision.findings import reported_names
 from flexdyn.diagnose.decision.gaps import nearer
 from flexdyn.diagnose.decision.model_effects import needed, possible
 from flexdyn.diagnose.decision.run import diagnose
-from flexdyn.diagnose.decision.seen import is_seen, least_deviation
+from flexdyn.diagnose.decision.significance import is_significant, least_deviation
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.proposal import Proposal
@@ -111,7 +111,7 @@ def test_an_effect_is_seen_where_its_size_is_more_than_its_error(tmp_path: Path,
     begun = CoulombFriction("axle", side="link", level=0.5)
     law = Proposal({"effect": "coulomb_friction", "joint": "axle", "side": "link"}, lambda point, x: begun)
     made = fit(dataclasses.replace(start, effects=(begun,)), weighed(bare, noise))
-    assert is_seen(Candidate("coulomb_friction", law, None, [()], [], 1), made, 0.0) is seen
+    assert is_significant(Candidate("coulomb_friction", law, None, [()], [], 1), made, 0.0) is seen
 
 
 @pytest.mark.parametrize(("factor", "seen"), [(1.0, False), (0.8, True)])
@@ -123,7 +123,7 @@ def test_a_number_is_seen_where_it_differs_from_the_files_by_more_than_its_error
     bare, noise, start = prepared(model, (measured(model, _turned(0.0)),))
     number = next(each for each in start.factors if each.parameter == "link_inertia")
     made = fit(dataclasses.replace(start, freed=frozenset({number})), weighed(bare, noise))
-    assert is_seen(Candidate("link_inertia", None, number, [()], [], 1), made, 0.0) is seen
+    assert is_significant(Candidate("link_inertia", None, number, [()], [], 1), made, 0.0) is seen
 
 
 @pytest.mark.parametrize("steps", [0.0, 0.7, 10.0])

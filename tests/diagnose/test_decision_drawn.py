@@ -7,7 +7,7 @@ import pytest
 
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.drawn import of_equations
-from flexdyn.diagnose.decision.held_out import ModelRows
+from flexdyn.diagnose.decision.model_rows import ModelRows
 from tests.diagnose.answers import LEVEL, dry_elbow, dry_model, dry_recording
 from tests.diagnose.workspaces import workspace
 

@@ -15,7 +15,7 @@ import pytest
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.corrected import converged
-from flexdyn.diagnose.decision.held_out import held_out
+from flexdyn.diagnose.decision.model_rows import rows_of_models
 from flexdyn.diagnose.decision.notes import stopped
 from flexdyn.diagnose.decision.run import diagnose
 from flexdyn.diagnose.decision.verdict import left
@@ -202,7 +202,7 @@ def test_what_is_left_is_measured_in_torque(tmp_path: Path, share: float) -> Non
     x, _ = sliding(force + wave, 1.0 / RATE, MASS, 0.0)
     data = (measured(model, slider_recording(x, force, RATE, LEVELS, seed=2)),)
     space, start, _ = workspace(model, data)
-    found = left(held_out(space.equations, start, start, data), {"lift": ("t",)})
+    found = left(rows_of_models(space.equations, start, start, data), {"lift": ("t",)})
     assert [each.joint for each in found] == ["lift"] * (share > 0.0)
     for each in found:
         assert each.share_of_torque == pytest.approx(share, rel=0.05)
@@ -215,7 +215,7 @@ def test_the_noise_of_a_row_is_the_diagonal_of_the_covariance(tmp_path: Path) ->
     model = slider_model(tmp_path)
     data = (measured(model, _recording(0.0, seconds=3.0)),)
     space, start, _ = workspace(model, data)
-    rows = held_out(space.equations, start, start, data)
+    rows = rows_of_models(space.equations, start, start, data)
     factor = rows.whiten.factor
     L = np.zeros((len(factor),) * 2)
     for lag, line in enumerate(factor.T):

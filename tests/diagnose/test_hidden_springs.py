@@ -46,7 +46,7 @@ def test_windows_begin_with_the_state_that_the_computed_deflection_leads_to(
     """The state of the hysteresis, of which no encoder says anything, within the width that the fit allows it."""
     model, run, recording = recorded
     bare, noise, _ = prepared(model, (measured(model, recording),))
-    assert bare.equations.made_up.all()
+    assert bare.equations.computed.all()
     windows = Windows.of(model, [recording], noise)
     found = first_states(Shooter(model, windows)).x[:, -1]
     true = HYSTERESIS.states_along(run.deflection[:, 1])[windows.places[:, 1]]

@@ -21,7 +21,7 @@ from flexdyn.diagnose.inference.apart import (
     shares,
 )
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.discrepancy import Discrepancy
+from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.search import nested
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.model.uncertain_parameters import FileNumber
@@ -84,7 +84,7 @@ def _typical(case: Case, excess: Array) -> float:
     return float(np.mean(found))
 
 
-def _oracle(case: Case, structure: Structure, noise: Discrepancy) -> dict[int, float]:
+def _oracle(case: Case, structure: Structure, noise: ModelError) -> dict[int, float]:
     """Own parts by least squares on all rows, those of the priors below them."""
     at, found = case.dense(structure, noise), {}
     root = np.tile(1.0 / (noise.scale * np.sqrt(noise.times)), TIMES)[:, None]

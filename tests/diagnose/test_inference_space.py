@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.stats import multivariate_normal
 
 from flexdyn.diagnose.inference.candidate_matrix import SPARE_COLUMNS
-from flexdyn.diagnose.inference.discrepancy import Discrepancy
+from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.priors import FITTED_SIZE_WIDTH
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.effects import CoulombFriction
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 EMPTY: Structure = frozenset()
 INERTIA = FileNumber("a", "rotor_inertia", 0.1, 0.1, "a")
 NUMBER, VISCOUS_A, VISCOUS_B, STRIBECK, COULOMB, ASYMMETRIC, RIPPLE = range(7)
-TOLD = Discrepancy(np.array([2.0, 5.0]), np.array([3.0, 8.0]), np.full(2, float(TIMES)))
+TOLD = ModelError(np.array([2.0, 5.0]), np.array([3.0, 8.0]), np.full(2, float(TIMES)))
 """A model error that differs by equation."""
 
 
@@ -139,7 +139,7 @@ def test_what_was_compared_is_remembered_until_the_model_error_changes() -> None
     space = case.space(TOLD)
     before = space.value(structure)
     assert space.known == {structure: before}
-    space.weigh(Discrepancy(np.array([1.0, 9.0]), np.array([1.0, 1.0]), TOLD.count))
+    space.weigh(ModelError(np.array([1.0, 9.0]), np.array([1.0, 1.0]), TOLD.count))
     assert space.value(structure) == before
     space.under(replace(TOLD, times=np.array([1.0, 2.0])))
     assert space.known == {}
@@ -150,7 +150,7 @@ def test_other_weights_keep_how_many_rows_tell_one_thing() -> None:
     """Coefficients by the sizes of the one model error and the memory of the other."""
     case, structure = _case(4, 3.0), frozenset({(VISCOUS_A, 0), (STRIBECK, 1)})
     space = case.space(TOLD)
-    space.weigh(Discrepancy(np.array([1.0, 9.0]), np.array([50.0, 60.0]), TOLD.count))
+    space.weigh(ModelError(np.array([1.0, 9.0]), np.array([50.0, 60.0]), TOLD.count))
     at = case.dense(structure, replace(TOLD, scale=np.array([1.0, 9.0])))
     found = space.gram.whole(space.columns(structure))
     np.testing.assert_allclose(found.mean, at.mean, atol=1e-10)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import threading
 
-from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.lazy import lazy
+from flexdyn.diagnose.parallel import in_parallel
 
 
 class Slow:
@@ -27,7 +27,7 @@ def test_two_objects_are_computed_at_once() -> None:
     """Each waits for the other one; `functools.cached_property` of Python 3.11 lets only one begin."""
     barrier = threading.Barrier(2)
     both = [Slow(barrier), Slow(barrier)]
-    assert abreast(lambda each: each.value, both) == [7, 7]
+    assert in_parallel(lambda each: each.value, both) == [7, 7]
 
 
 def test_a_value_is_computed_once_and_described() -> None:

@@ -41,7 +41,7 @@ def test_limits_are_sought_about_the_torque_that_the_motion_needs(asked: float) 
     model = two_link(ARM)
     data = measured(model, swinging(asked))
     equations = Equations(model, (data,), Filters.of_rate(data.dt))
-    assert equations.made_up.all()
+    assert equations.computed.all()
     inertia = equations.links.mass_matrix(np.zeros((1, 2)))[0, 0, 0] + ARM.rotor[0]
     assert extent_of(equations, 0).given == pytest.approx(inertia * SWING * PACE**2, rel=0.02)
 

@@ -14,8 +14,8 @@ from typing import Any
 
 import pytest
 
-from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.decision.background import beside
+from flexdyn.diagnose.parallel import in_parallel
 from flexdyn.diagnose.progress import Course, check, know, tell
 
 
@@ -63,7 +63,7 @@ def test_work_abreast_is_stopped_and_what_was_known_stays() -> None:
     def work() -> None:
         know(first=1)
         tell("begun", 0.0)
-        abreast(item, range(1000))
+        in_parallel(item, range(1000))
 
     def show(stage: str, share: float) -> None:
         raise KeyboardInterrupt

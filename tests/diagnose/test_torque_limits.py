@@ -103,7 +103,7 @@ def test_positions_made_up_from_a_limited_torque_keep_its_noise() -> None:
     at = _limited(_slow(), 2)
     alone = dataclasses.replace(at.data[0], has_q=np.zeros(2, bool))
     one = Equations(at.model, (alone,), at.filters)
-    assert one.made_up.all()
+    assert one.computed.all()
     (along,) = one.motions
     assert np.ptp(np.asarray(passed_torque(one, along, 1))) > 0.9
     assert np.ndim(coefficients(one, along)["tau", 1][0][one.kinds.index((1, "total"))]) == 0

@@ -12,12 +12,12 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.even_odds import told_by_data
-from flexdyn.diagnose.decision.held_out import ModelRows
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.model_effects import effect_of, needed, possible
+from flexdyn.diagnose.decision.model_rows import ModelRows
 from flexdyn.diagnose.decision.naming import Name, names, standing_in
 from flexdyn.diagnose.decision.one_law import completing
-from flexdyn.diagnose.decision.seen import stays
+from flexdyn.diagnose.decision.significance import stays
 from flexdyn.diagnose.decision.verdict import left
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.exact_descent import descended
@@ -26,7 +26,7 @@ from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
 from flexdyn.diagnose.hypothesis.less_rounded import less_rounded
 from flexdyn.diagnose.inference.apart import genuine, shares
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.elsewhere import squares_left
+from flexdyn.diagnose.inference.odds_by_fits import squares_left
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.inference.space import Space
@@ -186,12 +186,14 @@ def _masses(found: Posterior) -> Masses:
     best = frozenset(c for c, _ in found.best)
     alike = best | {c for c, inside in space.contained.items() if best & set(inside)}
     alike |= {each for c in best for each in (*space.contained[c], *standing_in(masses, best, {c}))}
-    for other in frozenset().union(*(each for each, _ in found.elsewhere)) - alike:
+    for other in frozenset().union(*(each for each, _ in found.other_linearisations)) - alike:
         if any(space.own_share(found.best, c, other) <= SMALLEST_TORQUE_SHARE for c in best):
             alike |= {other}
-    if not found.elsewhere:
+    if not found.other_linearisations:
         return masses
-    return masses.mixed([each & alike for each, _ in found.elsewhere], [odds for _, odds in found.elsewhere])
+    return masses.mixed(
+        [each & alike for each, _ in found.other_linearisations], [odds for _, odds in found.other_linearisations]
+    )
 
 
 def _is_there(candidate: Candidate, here: Hypothesis) -> bool:

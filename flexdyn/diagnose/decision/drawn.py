@@ -12,8 +12,8 @@ from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.figures import OnData
 from flexdyn.diagnose.decision.gaps import Shots
-from flexdyn.diagnose.decision.held_out import ModelRows, summed
 from flexdyn.diagnose.decision.laws_seen import laws_seen
+from flexdyn.diagnose.decision.model_rows import ModelRows, summed
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.equations.localise import traces
 from flexdyn.diagnose.report.trace import MeasuredCurve, ResidualTrace, Trajectory

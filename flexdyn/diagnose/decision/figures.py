@@ -11,7 +11,7 @@ from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.forces import Forces, are_prescribed, errors_of, recorded
 from flexdyn.diagnose.decision.gains import gains, shares
 from flexdyn.diagnose.decision.gaps import FIT_WINDOWS, Shots, shots, windows_of
-from flexdyn.diagnose.decision.held_out import ModelRows, held_out, rms
+from flexdyn.diagnose.decision.model_rows import ModelRows, rms, rows_of_models
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.decision.verdict import dependence, left
@@ -150,7 +150,7 @@ def on_test(
         parts: the test data.
     """
     here, calibrated = found.hypothesis, first.calibrated
-    rows = held_out(plain.equations, calibrated, here, tuple(each.data for each in parts))
+    rows = rows_of_models(plain.equations, calibrated, here, tuple(each.data for each in parts))
     windows = windows_of(here.given, parts, rows.noise)
     over = None if windows is None else Shots(*shots([here.given, calibrated.seen(), here.seen()], windows))
     off = Forces.of(rows) if are_prescribed(parts) else over

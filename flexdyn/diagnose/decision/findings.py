@@ -12,7 +12,7 @@ from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.gains import in_order
 from flexdyn.diagnose.decision.model_effects import effect_of, needed
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.decision.seen import least_deviation
+from flexdyn.diagnose.decision.significance import least_deviation
 from flexdyn.diagnose.decision.suspects import numbers_of, suspect_of
 from flexdyn.diagnose.experiment.design import with_experiment
 from flexdyn.diagnose.hypothesis.estimate import fit

@@ -10,7 +10,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.held_out import ModelRows, rms
+from flexdyn.diagnose.decision.model_rows import ModelRows, rms
 from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion

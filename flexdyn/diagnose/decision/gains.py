@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from flexdyn.diagnose.decision.corrected import Corrected
-from flexdyn.diagnose.decision.held_out import ModelRows, rms
+from flexdyn.diagnose.decision.model_rows import ModelRows, rms
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.report.measures import Shares
 

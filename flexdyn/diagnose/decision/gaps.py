@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.decision.forces import are_prescribed
-from flexdyn.diagnose.decision.held_out import rms
+from flexdyn.diagnose.decision.model_rows import rms
 from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.lazy import lazy
+from flexdyn.diagnose.parallel import in_parallel
 from flexdyn.diagnose.report.measures import Gap
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.windows import Windows
@@ -105,4 +105,4 @@ def windows_of(
 
 def shots(models: Sequence[FlexibleJointModel], windows: Windows) -> list[Shot]:
     """The windows under each model."""
-    return abreast(lambda model: shoot(model, windows), models)
+    return in_parallel(lambda model: shoot(model, windows), models)

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.decision.corrected import Corrected
-from flexdyn.diagnose.decision.held_out import ModelRows
+from flexdyn.diagnose.decision.model_rows import ModelRows
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, SENSOR, TRANSMISSION

@@ -7,13 +7,13 @@ import math
 from collections.abc import Iterator
 
 from flexdyn.arrays import Flags
+from flexdyn.diagnose.decision.fitted_structure import FittedStructure
 from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
-from flexdyn.diagnose.decision.tried import Tried
 from flexdyn.diagnose.equations.mask import passage_mask
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.elsewhere import fit_if_likely, log_density_at, log_posterior
+from flexdyn.diagnose.inference.odds_by_fits import fit_if_likely, log_density_at, log_posterior
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.inference.search import OCCAM_WINDOW, Scan
@@ -37,14 +37,14 @@ def rivals_in_fits(found: Posterior) -> Posterior:
         found: the posterior, whose best structure is fitted to the equations.
     """
     space, hidden = found.space, passage_mask(found.fitted.equations, found.noise)
-    first = Tried.of(space, found.best, log_posterior(space, found.best, found.fitted), found.fitted, hidden)
+    first = FittedStructure.of(space, found.best, log_posterior(space, found.best, found.fitted), found.fitted, hidden)
     here = _plainest(space, first, hidden)
     plainer = [here.odds_to(first)] if here is not first else []
     best, made, tried = here.structure, here.made, []
     for structure, start in (*_swapped(space, best), *_one_sided(space, best, made)):
         value, other = fit_if_likely(space, structure, start, made, here.promised - OCCAM_WINDOW)
         if other is not None:
-            tried.append(Tried.of(space, structure, value, other, hidden))
+            tried.append(FittedStructure.of(space, structure, value, other, hidden))
     tried = [each.beside(here, space) for each in tried]
     likely = max((each for each in tried if each.value > here.value + EVEN_ODDS_WINDOW), key=_value, default=here)
     odds = [(each if each is likely else each.beside(likely, space)).odds_to(here) for each in tried]
@@ -52,7 +52,7 @@ def rivals_in_fits(found: Posterior) -> Posterior:
     return dataclasses.replace(found, best=likely.structure, fitted=likely.made, by_fits=by_fits)
 
 
-def _plainest(space: Space, here: Tried, hidden: Flags) -> Tried:
+def _plainest(space: Space, here: FittedStructure, hidden: Flags) -> FittedStructure:
     """A fit, or one with a plainer law in the place of one where that is more likely; it begins at the same numbers."""
     for each in sorted(here.structure):
         me, before = space.candidates[each[0]], here
@@ -63,7 +63,7 @@ def _plainest(space: Space, here: Tried, hidden: Flags) -> Tried:
             start = _with_plainer(before.made.hypothesis, me, other) or hypothesis_of(space, structure, whole=True)
             value, made = fit_if_likely(space, structure, start, before.made, -math.inf)
             if made is not None:
-                here = max(here, Tried.of(space, structure, value, made, hidden), key=_value)
+                here = max(here, FittedStructure.of(space, structure, value, made, hidden), key=_value)
     return here
 
 
@@ -78,7 +78,7 @@ def _with_plainer(here: Hypothesis, candidate: Candidate, plainer: Candidate) ->
     return dataclasses.replace(here, effects=tuple(instead if each is effect else each for each in here.effects))
 
 
-def _value(tried: Tried) -> float:
+def _value(tried: FittedStructure) -> float:
     return tried.value
 
 

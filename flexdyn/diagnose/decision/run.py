@@ -118,7 +118,7 @@ def _diagnosed(
     said: tuple[str, ...],
 ) -> Diagnosis:
     from flexdyn.diagnose.decision.conclusion import concluded
-    from flexdyn.diagnose.decision.told import told
+    from flexdyn.diagnose.decision.reported import reported
     from flexdyn.diagnose.inference.passes import posterior
 
     tell(STAGES[0], 0.0)
@@ -135,7 +135,7 @@ def _diagnosed(
     tell(STAGES[1], 0.05)
     compared = dataclasses.replace(posterior(bare, noise, start), expected=expect)
     plain = weighed(bare, compared.noise, compared.fitted.space.whiten.mask)
-    compared, found = told(compared, plain)
+    compared, found = reported(compared, plain)
     know(found=found, noise=compared.noise)
     answer = concluded(plain, start, compared, found, (fitted, test))
     return _finished(answer, notes, began, given)

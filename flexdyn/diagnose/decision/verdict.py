@@ -10,7 +10,7 @@ import numpy as np
 
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.decision.gaps import Shots
-from flexdyn.diagnose.decision.held_out import ModelRows, rms
+from flexdyn.diagnose.decision.model_rows import ModelRows, rms
 from flexdyn.diagnose.equations.layout import LINK, TRANSMISSION
 from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.report.measures import Left, ResidualPlace

@@ -35,7 +35,7 @@ def stands_alone(equations: Equations, effect: JointEffect) -> bool:
     j = equations.true.index(effect.joint)
     if equations.replayed[j] and effect.side != "motor":
         return False
-    return not (equations.made_up[j] and (equations.sensed or is_loaded(equations, j)))
+    return not (equations.computed[j] and (equations.sensed or is_loaded(equations, j)))
 
 
 def is_loaded(equations: Equations, j: int) -> bool:
@@ -58,7 +58,7 @@ def moves_links(equations: Equations, effect: Effect) -> bool:
 def _bends(equations: Equations, effect: Effect) -> bool:
     """Whether a position that was computed from the other one depends on an effect."""
     return isinstance(effect, JointEffect) and bool(
-        effect.bends_spring and equations.made_up[equations.true.index(effect.joint)]
+        effect.bends_spring and equations.computed[equations.true.index(effect.joint)]
     )
 
 

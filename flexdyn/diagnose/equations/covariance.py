@@ -98,7 +98,7 @@ def kernels_of(equations: Equations) -> dict[str, list[Array]]:
     """Whole kernels from a channel's noise to a row, by order of the derivative: of positions, and of torques."""
     first, second = equations.filters.first.taps, equations.filters.second.taps[0]
     whole = [np.convolve(second, taps) for taps in first]
-    if equations.made_up.any() or equations.replayed.any():
+    if equations.computed.any() or equations.replayed.any():
         whole = [np.convolve(kernel, first[0]) for kernel in whole]
         whole += [np.convolve(np.convolve(second, once), first[2]) for once in first[1:]]
         whole.append(np.convolve(np.convolve(equations.filters.second.taps[2], first[1]), first[2]))
@@ -110,8 +110,8 @@ def coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, d
     """C by channel, order of derivative and equation, in units of its rows; those that are zero are left out."""
     M = along.M[equations.filters.instants(len(along.t))].transpose(1, 2, 0).copy()
     found: dict[Channel, dict[int, Terms]] = {}
-    # Positions that are made up from a limited torque are right to first order only: they err by as much as its noise.
-    exact = not equations.made_up.any()
+    # Positions that are computed from a limited torque are right to first order only: they err by as much as its noise.
+    exact = not equations.computed.any()
     given = [passed_torque(equations, along, i) if exact else gain for i, gain in enumerate(equations.gains)]
     for row, (j, kind) in enumerate(equations.kinds):
         own = _own(equations, along, j, kind)

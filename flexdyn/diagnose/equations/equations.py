@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import corrected
@@ -20,6 +19,7 @@ from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.equations.shared import LinkTorques, same_links, same_signals
 from flexdyn.diagnose.equations.terms import joint_terms, of_joint, spring_torque
 from flexdyn.diagnose.lazy import kept, lazy
+from flexdyn.diagnose.parallel import SILENT, in_parallel
 from flexdyn.diagnose.progress import check
 from flexdyn.effects import Effect, JointEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -101,7 +101,7 @@ class Equations(EquationLayout):
         """The same data with another model; motions are shared if the models do not change them."""
         own = self.true.stiffness if self.stiffness is None else self.stiffness
         other = self._sharing(model=model, stiffness=own)
-        if not (self.made_up.any() or self.replayed.any()) and same_signals(self.model, model):
+        if not (self.computed.any() or self.replayed.any()) and same_signals(self.model, model):
             other.__dict__["smoothed"] = self.smoothed
             if same_links(self.model, model):
                 other.__dict__["links"] = self.links
@@ -204,7 +204,7 @@ class Equations(EquationLayout):
         parts = []
         for along in self.motions:
             extra = self.links.extra_torques(others, along.q, along.v, along.a)
-            parts.append(np.stack(abreast(partial(self._heavier, along), extra.transpose(1, 0, 2)), axis=1))
+            parts.append(np.stack(in_parallel(partial(self._heavier, along), extra.transpose(1, 0, 2)), axis=1))
         return np.concatenate(parts)
 
     def _heavier(self, along: SmoothedMotion, more: Array) -> Array:

@@ -37,7 +37,7 @@ def _error_of_rests(equations: Equations) -> Array:
     for along in equations.motions:
         at = equations.filters.instants(len(along.t))
         rows = np.zeros((len(at), len(equations.kinds)))
-        for i in np.flatnonzero(equations.made_up & along.resting.any(axis=0)).tolist():
+        for i in np.flatnonzero(equations.computed & along.resting.any(axis=0)).tolist():
             wound = along.M[:, i, i] * (along.alpha - along.a)[:, i] / equations.true.stiffness[i]
             swung = [equations.filters.rows(np.where(along.resting[:, i], wound, 0.0), order) for order in range(3)]
             loads = along.dragged(i, swung, at) / equations.gains

@@ -10,7 +10,7 @@ import numpy as np
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.diagnose.equations.made_up import steepness
+from flexdyn.diagnose.equations.computed_positions import steepness
 from flexdyn.diagnose.equations.motion import SmoothedMotion, hidden_links
 from flexdyn.diagnose.equations.response import LinkResponse
 from flexdyn.diagnose.lazy import kept, lazy
@@ -70,8 +70,8 @@ class EquationLayout:
         return any(kind == SENSOR for _, kind in self.kinds)
 
     @lazy
-    def made_up(self) -> Flags:
-        """Elastic joints with one of their two positions unmeasured, and made up from what was recorded (n,)."""
+    def computed(self) -> Flags:
+        """Elastic joints with one of their two positions unmeasured, and computed from what was recorded (n,)."""
         return np.asarray(self.true.elastic & ~self.data[0].both & ~self.replayed)
 
     @lazy
@@ -87,7 +87,7 @@ class EquationLayout:
     @property
     def unmeasured(self) -> Flags:
         """Those whose links have no encoder (n,)."""
-        return np.asarray(self.made_up & ~self.data[0].has_q)
+        return np.asarray(self.computed & ~self.data[0].has_q)
 
     @lazy
     def softness(self) -> Array:
@@ -180,7 +180,7 @@ class EquationLayout:
         first, model = along.data, self.true
         lifted = np.zeros((self.filters.count(len(along.t)), model.n))
         at = self.filters.instants(len(along.t))
-        for i in np.flatnonzero(self.made_up).tolist():
+        for i in np.flatnonzero(self.computed).tolist():
             own = [None if x is None or only not in (None, i) else x if only == i else x[:, i] for x in (motor, link)]
             if first.has_q[i]:
                 if own[1] is not None:
@@ -192,7 +192,7 @@ class EquationLayout:
         return lifted
 
     def _misplaced(self, along: SmoothedMotion, i: int, motor: Array | None, link: Array | None) -> Array | None:
-        """Error of a link position that was made up (samples,), by the error of the torques on its motor and link."""
+        """Error of a link position that was computed (samples,), by the error of the torques on its motor and link."""
         rests, K = along.resting[:, i], self.true.stiffness[i]
         if self.simulated or (motor is None and (link is None or not rests.any())):
             return None

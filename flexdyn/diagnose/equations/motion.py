@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.equations.computed_positions import computed_positions
 from flexdyn.diagnose.equations.held_torque import HeldTorque, centred
-from flexdyn.diagnose.equations.made_up import made_up
 from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.equations.shared import LinkTorques
 from flexdyn.diagnose.lazy import lazy
@@ -175,8 +175,8 @@ def smoothed(
         simulated: whether all unmeasured links are simulated along the motion of their motors.
         torques: of the links, as other models may have asked for them; None: none has.
 
-    A joint with one encoder gets the other position from its own equation (`made_up`), or where its motion is
-    prescribed by simulation (`replayed`); the whole motion is then filtered once more.
+    A joint with one encoder gets the other position from its own equation (`computed_positions`), or by simulation
+    where its motion is prescribed (`replayed`). The whole motion is then filtered once more.
     """
     q = np.where(data.has_q, data.q, data.theta)
     theta = np.where(data.has_theta, data.theta, q)
@@ -187,7 +187,9 @@ def smoothed(
     held = HeldTorque(data.tau, kernel, 1 + twice)
     if twice:
         resting_links = None if simulated else rests
-        q, theta = made_up(model, links, q, theta, tau, data, kernel, resting_links, torques or LinkTorques(1))
+        q, theta = computed_positions(
+            model, links, q, theta, tau, data, kernel, resting_links, torques or LinkTorques(1)
+        )
         q = replayed(model, q, theta, data, t[inner], simulated)
         tau, tau_s = kernel.apply(tau, 0), kernel.apply(tau_s, 0)
     elif not data.both.all():  # as many samples as for an elastic joint

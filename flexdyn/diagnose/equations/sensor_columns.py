@@ -110,7 +110,7 @@ def _wound(
 def _smoothed(equations: Equations, along: SmoothedMotion, x: Array, order: int) -> Array:
     """A derivative of the error of a channel after the first filter (samples,)."""
     y = equations.filters.first.apply(x, order)
-    if equations.made_up.any() or equations.replayed.any():
+    if equations.computed.any() or equations.replayed.any():
         return equations.filters.first.apply(y, 0)
     spare = (len(y) - len(along.t)) // 2
     return y[spare : len(y) - spare]

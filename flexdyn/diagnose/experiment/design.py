@@ -9,13 +9,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.experiment.bench import RehearsalBench
 from flexdyn.diagnose.experiment.moves import VARIED_MOTIONS, PlannedMotion, moves, short
 from flexdyn.diagnose.experiment.plan import planned
 from flexdyn.diagnose.experiment.reach import load_mass
 from flexdyn.diagnose.experiment.rehearsal import CLEAR_DELTA_BIC, LONGEST_MOTION, Rehearsal
 from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.parallel import in_parallel
 from flexdyn.diagnose.report.suspects import Experiment, Finding
 from flexdyn.diagnose.report.words import effect_name, is_number, suspect_phrase
 from flexdyn.errors import FlexdynError
@@ -94,7 +94,7 @@ def _rehearsed(bench: RehearsalBench, some: Sequence[PlannedMotion]) -> list[Reh
             return made
         return None
 
-    made = abreast(rehearse, range(len(some)))
+    made = in_parallel(rehearse, range(len(some)))
     wanted = min(ample) + 1 if ample else len(some)
     return [each for each in made[:wanted] if each is not None]
 

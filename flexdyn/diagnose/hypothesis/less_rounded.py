@@ -44,7 +44,7 @@ def rounding(at: Equations, made: Fit) -> Array:
         made: a fit of it, whose workspace knows the noise.
     """
     dt, first, second = at.data[0].dt, _variance(at.filters.first), _variance(at.filters.second)
-    passes = 1 + bool(at.made_up.any())  # a computed position passes the first filter twice
+    passes = 1 + bool(at.computed.any())  # a computed position passes the first filter twice
     narrow = at.with_filters(Filters(at.filters.first, _smoother(second + passes * first, dt), 1))
     wide = at.with_filters(Filters(_smoother(2.0 * first, dt), at.filters.second, 1))
     rows = _at_rows(at, narrow, narrow.residual) - _at_rows(at, wide, wide.residual)

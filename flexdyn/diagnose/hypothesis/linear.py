@@ -8,13 +8,13 @@ import math
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import LEAST_FACTOR, STEP_ROUNDING, Hypothesis, bounded
 from flexdyn.diagnose.hypothesis.regression import Regression
+from flexdyn.diagnose.parallel import SILENT, in_parallel
 from flexdyn.effects import Effect, SensorEffect
 from flexdyn.errors import SimulationError
 
@@ -100,7 +100,7 @@ def _rows(
             return scale * columns.of_parameter(along, effect, name, 0.1 * scale)
 
     # One whitening of many columns takes as long as that of one.
-    raw = np.array([at.residual, *abreast(slope, zip(hypothesis.unknowns(), scales, strict=True))])
+    raw = np.array([at.residual, *in_parallel(slope, zip(hypothesis.unknowns(), scales, strict=True))])
     white = space.whiten(raw.T)
     numbers = _slopes_of_numbers(hypothesis, along, space) if known is None else known
     return white[:, 0], np.column_stack([numbers, white[:, 1:], space.nuisance])
@@ -141,7 +141,7 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) 
     """
     numbers, effects = hypothesis.factors, hypothesis.effects
     far = {n for n, factor in numbers.items() if abs(factor - 1.0) > SAME_DERIVATIVE_DISTANCE}
-    computed = {name for name, made_up in zip(at.true.joint_names, at.made_up, strict=True) if made_up}
+    computed = {name for name, is_computed in zip(at.true.joint_names, at.computed, strict=True) if is_computed}
     wound = {getattr(e, "joint", None) for e in effects} & computed
     links = bool(wound) or any(n.joint is None for n in far) or any(e.stage == "inertia" for e in effects)
     joints = wound | {getattr(e, "joint", None) for e in effects if isinstance(e, SensorEffect) or e.position_error}

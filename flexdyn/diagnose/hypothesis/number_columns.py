@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.abreast import SILENT, abreast
 from flexdyn.diagnose.equations.columns import is_loaded, of_change, on_joint, stands_alone
 from flexdyn.diagnose.equations.equations import Equations, Torques
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import spreads
+from flexdyn.diagnose.parallel import SILENT, in_parallel
 from flexdyn.effects import JointEffect
 from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -42,7 +42,7 @@ def of_numbers(equations: Equations, numbers: Sequence[FileNumber]) -> Array:
         with SILENT():
             return _of_joint(equations, numbers[k])
 
-    for k, slope in zip(joints, abreast(of_joint, joints), strict=True):
+    for k, slope in zip(joints, in_parallel(of_joint, joints), strict=True):
         found[:, k] = slope
     return found
 
@@ -66,7 +66,7 @@ def _of_joint(equations: Equations, number: FileNumber) -> Array:
     # The scale of the link's or motor's equation changes with a stiffness, and with a motor's numbers.
     if j is None or name in ("stiffness", *OF_MOTOR) or (equations.replayed[j] and name != "rotor_inertia"):
         return equations.change(effects) / RELATIVE_NUMBER_STEP
-    if number.joint == number.of and not (equations.made_up[j] or is_loaded(equations, j)) and true.elastic[j]:
+    if number.joint == number.of and not (equations.computed[j] or is_loaded(equations, j)) and true.elastic[j]:
         if name == "rotor_inertia":
             return equations.of_torque(j, lambda along: ("motor", -true.rotor_inertia[j] * along.alpha[:, j]))
         if name == "damping":

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn.arrays import Array
+from flexdyn.diagnose.equations.computed_positions import friction_of
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.equations.made_up import friction_of
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.diagnose.lazy import kept
@@ -83,7 +83,7 @@ def extent_of(equations: Equations, j: int) -> MotionExtent:
         np.concatenate([getattr(m, name)[:, j] for m in equations.motions])
         for name in ("omega", "theta", "delta", "tau", "q")
     )
-    of_motion = _of_rigid_motion if equations.made_up[j] else Equations.needed
+    of_motion = _of_rigid_motion if equations.computed[j] else Equations.needed
     needed = np.concatenate([of_motion(equations, along, j) for along in equations.motions])
     asked = max(float(np.abs(tau).max()), 1e-9)
     elastic = bool(equations.true.elastic[j])
@@ -166,7 +166,7 @@ def half_gaps(equations: Equations, j: int, deflection: float) -> list[float]:
         j: the joint.
         deflection: nearly the largest one [rad or m].
     """
-    if equations.made_up[j] or equations.replayed[j]:
+    if equations.computed[j] or equations.replayed[j]:
         return [float(gap) for gap in deflection * np.geomspace(NARROWEST_PLAY, WIDEST_MADE_UP_PLAY, HALF_GAP_POINTS)]
     widest = max(_unwound(equations, j), SMALLEST_HALF_GAP * deflection)
     grid = deflection * np.geomspace(NARROWEST_PLAY, WIDEST_PLAY, HALF_GAP_POINTS)

@@ -18,8 +18,8 @@ from scipy.linalg import cho_solve
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.discrepancy import Discrepancy
 from flexdyn.diagnose.inference.gram import lower_factor
+from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.torque_shares import torque_share
 from flexdyn.effects import Effect
@@ -111,12 +111,12 @@ def shares(space: Space, structure: Structure, overstated: Array | float = 0.0) 
     return found
 
 
-def beyond_noise(noise: Discrepancy, squares: Array) -> Array:
+def beyond_noise(noise: ModelError, squares: Array) -> Array:
     """What of white sums of squares (equations,) is more than noise, chance and a wrong level of the noise make."""
     return np.asarray(np.maximum(squares - noise.count - _undetected(noise), 0.0) * (1.0 - 1.0 / noise.times))
 
 
-def _undetected(noise: Discrepancy) -> Array:
+def _undetected(noise: ModelError) -> Array:
     """Power beyond noise that chance and a wrong level of the noise may make (equations,)."""
     return np.asarray(NOISE_LEVEL_ERROR * noise.count + CHANCE_ROOM * np.sqrt(2.0 * noise.count * noise.times))
 

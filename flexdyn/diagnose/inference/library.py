@@ -6,12 +6,12 @@ import itertools
 
 import numpy as np
 
-from flexdyn.diagnose.abreast import abreast
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.column_maker import ColumnMaker
 from flexdyn.diagnose.inference.products import Products
 from flexdyn.diagnose.inference.standing_effects import beliefs, standing_columns
+from flexdyn.diagnose.parallel import in_parallel
 
 POINTS_AT_ONCE = 16
 """Grid points whose columns are made white at once: more would not be faster, and take memory."""
@@ -58,7 +58,7 @@ class Library(ColumnMaker):
                 width = sum(len(p.units(point)) for point in some)
                 begin = products.reserve(width)
                 jobs.append((p, some, products.X[:, begin : begin + width], begin))
-        made = itertools.chain.from_iterable(abreast(lambda job: self.of_points(*job), jobs))
+        made = itertools.chain.from_iterable(in_parallel(lambda job: self.of_points(*job), jobs))
         for proposal in open_:
             pairs = [(point, next(made)) for point in proposal.grid]
             kept = [(point, each) for point, each in pairs if each is not None]

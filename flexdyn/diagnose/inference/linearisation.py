@@ -15,10 +15,10 @@ from flexdyn.diagnose.hypothesis.linear import linearised
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
 from flexdyn.diagnose.inference.autoregression import runs_of
-from flexdyn.diagnose.inference.elsewhere import log_density, log_density_at
 from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.memory import check_memory
+from flexdyn.diagnose.inference.odds_by_fits import log_density, log_density_at
 from flexdyn.diagnose.inference.search import OCCAM_WINDOW
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.standing_effects import beliefs

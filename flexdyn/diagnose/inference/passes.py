@@ -17,10 +17,10 @@ from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.workspace import Unweighted
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.catalogue import everything
-from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.elsewhere import best_by_fits, best_where_not_linear, odds_by_fits
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.linearisation import Linearisation
+from flexdyn.diagnose.inference.model_error import ModelError
+from flexdyn.diagnose.inference.odds_by_fits import best_by_fits, best_where_not_linear, odds_by_fits
 from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import STRONG_GAIN_SHARE, explore
 from flexdyn.diagnose.inference.space import Space, Structure
@@ -67,7 +67,7 @@ class Posterior:
     by_fits: tuple[tuple[Structure, frozenset[int], float], ...] = ()
 
     @lazy
-    def elsewhere(self) -> tuple[tuple[frozenset[int], float], ...]:
+    def other_linearisations(self) -> tuple[tuple[frozenset[int], float], ...]:
         """Candidates of this space that each of `earlier` holds, and their odds to the best structure by fits."""
         place = {identity(candidate): c for c, candidate in enumerate(self.space.candidates)}
         sets = [frozenset(place[each] for each in seen if each in place) for seen in self.earlier]
@@ -97,7 +97,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         know(space=space)
         stands = standing(space)
         best = _compared(space, stands)
-        if bare.equations.simulated or (bare.equations.made_up.any() and best != stands):
+        if bare.equations.simulated or (bare.equations.computed.any() and best != stands):
             chosen = best_by_fits if bare.equations.simulated else best_where_not_linear
             best = chosen(space, best, near.fitted(hypothesis_of(space, stands), PASS_STEPS), stands)
         places, at = (frozenset(identity(space.candidates[c]) for c, _ in each) for each in (best, stands))
@@ -148,21 +148,21 @@ def _in_tolerance(fitted: Hypothesis, start: Hypothesis) -> Hypothesis:
 def _compared(space: Space, stands: Structure) -> Structure:
     """The best structure at a linearisation, under the model error that it leaves."""
     space.under(_nothing(space))
-    space.under(Discrepancy.of(space.left(stands), space.seen))
+    space.under(ModelError.of(space.left(stands), space.seen))
     best, seen = stands, set[Structure]()
     for _ in range(MODEL_ERROR_ROUNDS):
         best = explore(space, [best], 0)
         if best in seen:
             break
         seen.add(best)
-        space.under(Discrepancy.of(space.left(best), space.seen))
+        space.under(ModelError.of(space.left(best), space.seen))
     return best
 
 
-def _nothing(space: Space) -> Discrepancy:
+def _nothing(space: Space) -> ModelError:
     """No model error: what is left is the sensors' noise."""
     one = np.ones(len(space.seen.count))
-    return Discrepancy(one, one, space.seen.count)
+    return ModelError(one, one, space.seen.count)
 
 
 def _strong(space: Space, best: Structure, stands: Structure, least: float) -> Structure:

@@ -10,7 +10,7 @@ from scipy.special import betaln
 
 from flexdyn.arrays import Indices
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.discrepancy import Discrepancy
+from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.refinement import refined
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_prior import log_harmonic, odds_of
@@ -155,7 +155,7 @@ def _climb(scan: Scan, start: Structure, done: set[Structure]) -> None:
     here = start
     scan.space.value(here)
     while here not in done:
-        scan.space.weigh(Discrepancy.of(scan.space.left(here), scan.space.seen))
+        scan.space.weigh(ModelError.of(scan.space.left(here), scan.space.seen))
         _neighbours(scan, here, done)
         best = scan.space.best()
         if scan.space.known[best] <= scan.space.known[here]:

@@ -45,7 +45,7 @@ class Sizes:
         Computed positions have the torque's noise, which only the second filter takes off their accelerations.
         """
         motions, filters = self.equations.motions, self.equations.filters
-        calm = filters.rows if self.equations.made_up.any() else np.asarray
+        calm = filters.rows if self.equations.computed.any() else np.asarray
         tau, needed, delta = (
             np.concatenate([calm(getattr(along, name)) for along in motions])
             for name in ("tau", "inverse_dynamics", "delta")
@@ -106,7 +106,7 @@ class Sizes:
         if not isinstance(effect, JointEffect) or effect.side != "transmission":
             return 0.0
         j = true.index(effect.joint)
-        if not self.equations.made_up[j]:
+        if not self.equations.computed[j]:
             return 0.0
         others = [each for each in of_joint(true.all_effects, effect.joint) if each != effect]
         parts = [

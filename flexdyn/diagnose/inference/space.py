@@ -11,9 +11,9 @@ from scipy.special import log_ndtr
 
 from flexdyn.arrays import Array, Indices
 from flexdyn.diagnose.inference.candidate_matrix import CandidateMatrix
-from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
 from flexdyn.diagnose.inference.gram import NEGATIVE_SIGMAS, Estimate, Gram
 from flexdyn.diagnose.inference.library import Library
+from flexdyn.diagnose.inference.model_error import ModelError, Seen
 from flexdyn.diagnose.inference.priors import EVERY_MOTOR
 from flexdyn.diagnose.inference.structure_prior import log_harmonic, log_places
 from flexdyn.diagnose.inference.torque_shares import contained, share_apart, torque_share
@@ -41,7 +41,7 @@ class Space:
         self.candidates = self.matrix.candidates
         self.places = Counter(each.group for each in self.candidates)
 
-    def under(self, noise: Discrepancy) -> None:
+    def under(self, noise: ModelError) -> None:
         """Compare under a model error from now on."""
         self.noise = noise
         self.known: dict[Structure, float] = {}
@@ -51,7 +51,7 @@ class Space:
         """Drop the columns; what was compared stays known."""
         del self.matrix.products, self.gram
 
-    def weigh(self, noise: Discrepancy) -> None:
+    def weigh(self, noise: ModelError) -> None:
         """Take coefficients under the weights of another model error; how many rows tell one thing stays."""
         weights = 1.0 / (noise.scale**2 * self.noise.times)
         self.gram = Gram(self.matrix.products, weights, self.matrix.prior, self.matrix.base)

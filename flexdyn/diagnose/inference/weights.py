@@ -8,7 +8,6 @@ import math
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
-from flexdyn.diagnose.abreast import SILENT
 from flexdyn.diagnose.data.filters import FIRST_FILTER_WIDTH, Filters
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
@@ -18,8 +17,9 @@ from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import NOT_FINITE
 from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
-from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
+from flexdyn.diagnose.inference.model_error import ModelError, Seen
 from flexdyn.diagnose.inference.whitening import Tempered
+from flexdyn.diagnose.parallel import SILENT
 from flexdyn.errors import SimulationError
 
 
@@ -52,7 +52,7 @@ def along_expected(
     """
     if not at.noisy:
         return bare, work, np.ones(len(at.kinds))
-    scale = Discrepancy.of(work.white(at.residual), seen).scale
+    scale = ModelError.of(work.white(at.residual), seen).scale
     along = bare.equations.along(expected_data(at, work.noise, work.whiten, scale))
     slopes = Unweighted.of(along, here.factors, along.of(here.model()))
     near = dataclasses.replace(slopes, equations=bare.equations, along=along)
@@ -102,12 +102,12 @@ def for_fit(
     return dataclasses.replace(made, anew=lambda at: tempered(weighed(bare, noise, mask, at=at), error))
 
 
-def error_of(plain: Workspace, residual: Array, seen: Seen) -> Discrepancy:
+def error_of(plain: Workspace, residual: Array, seen: Seen) -> ModelError:
     """The model error in a residual (rows,), the encoders' offsets that fit it best taken off."""
-    return Discrepancy.of(plain.white(residual), seen, about_mean=True)
+    return ModelError.of(plain.white(residual), seen, about_mean=True)
 
 
-def tempered(plain: Workspace, error: Discrepancy) -> Workspace:
+def tempered(plain: Workspace, error: ModelError) -> Workspace:
     """Weights by the sensors' noise and a model error together."""
     return dataclasses.replace(
         plain,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.covariance import Whitener
-from flexdyn.diagnose.inference.discrepancy import Discrepancy
+from flexdyn.diagnose.inference.model_error import ModelError
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,10 +17,10 @@ class Tempered(Whitener):
         error: the model error.
     """
 
-    error: Discrepancy
+    error: ModelError
 
     @classmethod
-    def of(cls, sensors: Whitener, error: Discrepancy) -> Tempered:
+    def of(cls, sensors: Whitener, error: ModelError) -> Tempered:
         """After a whitening by the sensors' noise."""
         return cls(sensors.factor, sensors.mask, error)
 

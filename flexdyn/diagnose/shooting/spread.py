@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from flexdyn.analysis.jacobian import dry_velocities
 from flexdyn.arrays import Array, Flags
-from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.parallel import in_parallel
 from flexdyn.diagnose.shooting.sensing import of_windows, sensors
 from flexdyn.diagnose.shooting.shooter import Shooter, SimulatedWindows
 from flexdyn.diagnose.shooting.windows import PerWindow, Windows
@@ -59,7 +59,7 @@ def spread(shooter: Shooter, whole: SimulatedWindows, which: Indices) -> Spread:
     free, A[still], B[still] = B.copy(), 0.0, 0.0
     # The mean of a block belongs to the time (block - 1)/2 samples after its first one.
     to, fro = (0.5 * (windows.block + side) * windows.period for side in (-1, 1))
-    (into, pushed_in), (out, pushed_out) = abreast(
+    (into, pushed_in), (out, pushed_out) = in_parallel(
         lambda h: _over(h, A, B, windows, n + len(shooter.elastic)), (to, fro)
     )
     unsure = _undecided(shooter, motion, free)

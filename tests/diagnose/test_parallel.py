@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from flexdyn.diagnose.abreast import abreast
+from flexdyn.diagnose.parallel import in_parallel
 
 
 def test_results_stand_in_the_order_of_the_items() -> None:
@@ -20,12 +20,12 @@ def test_results_stand_in_the_order_of_the_items() -> None:
             second.set()
         return k * k
 
-    assert abreast(work, range(5)) == [0, 1, 4, 9, 16]
-    assert abreast(work, [7]) == [49]
-    assert abreast(work, []) == []
+    assert in_parallel(work, range(5)) == [0, 1, 4, 9, 16]
+    assert in_parallel(work, [7]) == [49]
+    assert in_parallel(work, []) == []
 
 
 def test_an_error_is_raised_where_the_work_was_asked_for() -> None:
     """As in a loop."""
     with pytest.raises(ZeroDivisionError):
-        abreast(lambda k: 1 / k, [1, 0, 2])
+        in_parallel(lambda k: 1 / k, [1, 0, 2])

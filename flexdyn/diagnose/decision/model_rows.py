@@ -85,7 +85,7 @@ def summed(at: Equations, j: int) -> tuple[Array, list[int]]:
     return np.asarray(sum(rows[:, k] * units.get(at.kinds[k][1], 1.0) for k in own)), own
 
 
-def held_out(
+def rows_of_models(
     equations: Equations, calibrated: Hypothesis, corrected: Hypothesis, data: tuple[Measured, ...]
 ) -> ModelRows:
     """Rows of the test data.

@@ -15,18 +15,18 @@ from scipy.signal import lfilter
 
 from flexdyn import _core
 from flexdyn.diagnose.equations.covariance import Whitener
-from flexdyn.diagnose.inference.discrepancy import Discrepancy, Seen
+from flexdyn.diagnose.inference.model_error import ModelError, Seen
 from flexdyn.diagnose.inference.whitening import Tempered
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
-def _of(table: Array, hidden: Flags | None = None, lengths: tuple[int, ...] = ()) -> Discrepancy:
+def _of(table: Array, hidden: Flags | None = None, lengths: tuple[int, ...] = ()) -> ModelError:
     """Of rows (rows of an equation,) or (rows of an equation, equations); one recording, all seen, if not said."""
     valid = np.ones(table.shape, bool) if hidden is None else ~hidden
     seen = Seen(valid.reshape(len(table), -1), lengths or (len(table),))
-    return Discrepancy.of(table.ravel(), seen)
+    return ModelError.of(table.ravel(), seen)
 
 
 def _autoregressive(phi: float, count: int, seed: int) -> Array:
@@ -162,7 +162,7 @@ def test_the_likelihood_is_that_of_the_most_likely_size(
     """``max over s >= 1`` of the Gaussian log density of N/t independent rows, but for the constants."""
     many = len(counts)
     count, per_row, rows = np.array(counts, float), np.array(means[:many]), np.array(times[:many])
-    noise = Discrepancy(np.full(many, 3.0), rows, count)
+    noise = ModelError(np.full(many, 3.0), rows, count)
     wanted = 0.0
     for n, mean, t in zip(count, per_row, rows, strict=True):
         # Log density of one row by the logarithm of its scale, from 0 on.
@@ -178,7 +178,7 @@ def test_the_likelihood_is_that_of_the_most_likely_size(
 
 def test_the_likelihood_falls_with_what_is_left() -> None:
     """Also below the sensors' noise, and without a step where the model error begins."""
-    noise = Discrepancy(np.ones(1), np.full(1, 4.0), np.full(1, 100.0))
+    noise = ModelError(np.ones(1), np.full(1, 4.0), np.full(1, 100.0))
     values = np.array([noise.log_likelihood(np.array([s])) for s in np.linspace(0.0, 400.0, 4001)])
     steps = np.diff(values)
     assert np.all(steps < 0.0)
@@ -206,7 +206,7 @@ def test_sensors_whiten_before_the_model_error_tempers() -> None:
     band = np.zeros((3, 12))
     for lag in range(3):
         band[lag, : 12 - lag] = np.diag(covariance, -lag)
-    error = Discrepancy(np.array([2.0, 5.0]), np.array([3.0, 7.0]), np.array([6.0, 5.0]))
+    error = ModelError(np.array([2.0, 5.0]), np.array([3.0, 7.0]), np.array([6.0, 5.0]))
     rows = np.random.default_rng(12).standard_normal((12, 3))
     wanted = solve_triangular(np.linalg.cholesky(covariance), rows, lower=True)
     wanted[hidden] = 0.0

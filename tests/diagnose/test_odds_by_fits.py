@@ -13,9 +13,9 @@ from flexdyn.diagnose.hypothesis.estimate import SHORTENED_STEP
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.workspace import prepared
 from flexdyn.diagnose.inference.catalogue import everything
-from flexdyn.diagnose.inference.discrepancy import Discrepancy
-from flexdyn.diagnose.inference.elsewhere import odds_by_fits
 from flexdyn.diagnose.inference.linearisation import Linearisation
+from flexdyn.diagnose.inference.model_error import ModelError
+from flexdyn.diagnose.inference.odds_by_fits import odds_by_fits
 from flexdyn.diagnose.inference.passes import posterior
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
@@ -50,7 +50,7 @@ def _promising(folder: Path, level: float) -> tuple[Linearisation, Structure]:
     (column,) = space.candidates[friction].columns[0]
     prior.mean[column], prior.precision[column] = level, 1e12
     one = np.ones(len(space.seen.count))
-    space.under(Discrepancy(one, one, space.seen.count))
+    space.under(ModelError(one, one, space.seen.count))
     return near, frozenset({(friction, 0)})
 
 

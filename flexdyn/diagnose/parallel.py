@@ -19,7 +19,7 @@ SILENT = partial(np.errstate, over="ignore", invalid="ignore")
 """Ignore overflow, which is detected afterwards in the results; every thread has its own setting."""
 
 
-def abreast(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
+def in_parallel(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
     """The results of `work` for all items, in their order.
 
     NumPy and the core let other threads run while they compute. The threads end with the call, so that a process that
@@ -34,7 +34,7 @@ def abreast(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Resul
     def do(task: tuple[Context, Item]) -> Result:
         return task[0].run(_checked, work, task[1])
 
-    with ThreadPoolExecutor(max(2, os.cpu_count() or 2), thread_name_prefix="flexdyn-abreast") as pool:
+    with ThreadPoolExecutor(max(2, os.cpu_count() or 2), thread_name_prefix="flexdyn-parallel") as pool:
         return list(pool.map(do, tasks) if len(tasks) > 1 else map(do, tasks))
 
 

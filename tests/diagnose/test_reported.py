@@ -1,4 +1,4 @@
-"""Which structure is told, on a slide whose friction is known, from whatever structure the search ends with."""
+"""Which structure is reported, on a slide whose friction is known, from whatever structure the search ends with."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.one_law import by_plainer_laws, with_best
-from flexdyn.diagnose.decision.told import told
+from flexdyn.diagnose.decision.reported import reported
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
 from flexdyn.diagnose.inference.passes import Posterior, posterior
@@ -56,7 +56,7 @@ def test_the_true_law_is_told_from_its_parts_and_from_a_law_that_contains_it(
     """Two laws that are together the true one give way to it, and so does a law with a level too many."""
     found, plain = searched(tmp_path, down)
     for kinds in (PARTS, LAW):
-        answer, model_of_it = told(ended_with(found, kinds), plain)
+        answer, model_of_it = reported(ended_with(found, kinds), plain)
         assert kinds_of(answer) == names_of(answer, model_of_it) == {truth}
 
 
@@ -70,7 +70,7 @@ def test_a_law_does_not_give_way_to_one_that_has_no_name(tmp_path: Path) -> None
     )[:samples]
     unknown = iter((0.5 * (wander - wander.mean())).tolist())
     found, plain = searched(tmp_path, DOWN, lambda force: force + next(unknown), 4.0)
-    answer, model_of_it = told(found, plain)
+    answer, model_of_it = reported(found, plain)
     assert kinds_of(answer) == {"asymmetric_friction", "asymmetric_viscous_friction"}
     assert "viscous_friction" in kinds_of(by_plainer_laws(answer, model_of_it.genuine))
     assert names_of(answer, model_of_it) == {"asymmetric_friction"}

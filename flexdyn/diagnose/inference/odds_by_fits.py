@@ -20,7 +20,7 @@ from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
 from flexdyn.diagnose.inference.whitening import Tempered
 from flexdyn.errors import SimulationError
 
-STEPS_ELSEWHERE, STEPS_TRIED = 8, 2
+STEPS_OF_A_FIT, STEPS_TRIED = 8, 2
 """Gauss-Newton steps of the fit of a structure that another linearisation prefers, and of one that is tried."""
 
 
@@ -42,7 +42,7 @@ def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[fr
         structure = _in_space(space, each)
         start = hypothesis_of(space, structure, whole=True)
         try:
-            made = fit(start, fitted.space, steps=STEPS_ELSEWHERE)
+            made = fit(start, fitted.space, steps=STEPS_OF_A_FIT)
         except SimulationError:  # its numbers by the linear equations are no model: the fits cannot decide
             found.append(1.0)
             continue
@@ -84,13 +84,13 @@ def best_where_not_linear(space: Space, best: Structure, base: Fit, stands: Stru
         base: the fit of `stands`, under whose weights all are fitted.
         stands: the structure at which it is.
     """
-    kept = _by_fit(space, best, base, STEPS_ELSEWHERE)
+    kept = _by_fit(space, best, base, STEPS_OF_A_FIT)
     if kept > space.value(best) - OCCAM_WINDOW:
         return best
     gains = Scan(space).additions(stands)
     strong = [point for gain, point in gains if gain > STRONG_GAIN_SHARE * gains[0][0]]
     for structure in _with(space, stands, strong):
-        made = _fitted(space, structure, base, STEPS_ELSEWHERE)
+        made = _fitted(space, structure, base, STEPS_OF_A_FIT)
         if made is None or _lacks(space, made):
             continue
         value = log_posterior(space, structure, made)
@@ -117,7 +117,7 @@ def fit_if_likely(
         return -math.inf, None
     value = log_posterior(space, structure, made)
     if value + 0.5 * (made.reached - made.chi2) > least:
-        made = fit(made.hypothesis, base.space, steps=STEPS_ELSEWHERE)
+        made = fit(made.hypothesis, base.space, steps=STEPS_OF_A_FIT)
         value = log_posterior(space, structure, made)
     return value, made
 

@@ -1,4 +1,4 @@
-"""Which structure is told: the best one, or one with plainer laws or without likely imitations if more has a name."""
+"""Which structure is reported: the best, or one with plainer laws or without likely imitations if more has a name."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ LIKELY_IMITATION = 0.5
 """Probability of being genuine below which a law is more likely an imitation of something unknown [1]."""
 
 
-def told(compared: Posterior, plain: Workspace) -> tuple[Posterior, Corrected]:
-    """The posterior whose best structure is told, and its corrected model.
+def reported(compared: Posterior, plain: Workspace) -> tuple[Posterior, Corrected]:
+    """The posterior whose best structure is reported, and its corrected model.
 
     Args:
         compared: the posterior over structures.

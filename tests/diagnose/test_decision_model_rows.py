@@ -9,7 +9,7 @@ import numpy as np
 import flexdyn as fd
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.held_out import held_out
+from flexdyn.diagnose.decision.model_rows import rows_of_models
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
@@ -32,7 +32,7 @@ def test_a_joint_at_rest_hides_its_own_rows() -> None:
     model = two_link(ARM)
     data = measured(model, _one_joint_rests())
     at, noise = Equations(model, (data,), Filters.of_rate(data.dt), quasi_static=True), recorded_noise((data,))
-    assert at.made_up.all()
+    assert at.computed.all()
     full, alone = (sign_mask(at, noise, alone=each).reshape(-1, 2) for each in (False, True))
     assert np.array_equal(full, alone)
     assert sign_mask(dataclasses.replace(at, quasi_static=False), noise).all()
@@ -46,7 +46,7 @@ def test_torque_errors_are_known_where_a_joint_rests() -> None:
     data = (measured(model, _one_joint_rests()),)
     at = Equations(model, data, Filters.of_rate(data[0].dt))
     start = Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
-    rows = held_out(at, start, start, data)
+    rows = rows_of_models(at, start, start, data)
     assert rows.seen[:, 0].any()
     (before, _, after), recorded = rows.torque(0)
     assert len(before) == len(after) == len(recorded) > 0

@@ -40,7 +40,7 @@ class Seen:
 
 
 @dataclass(frozen=True, eq=False)
-class Discrepancy:
+class ModelError:
     """Size and memory of what is left at each equation.
 
     Attributes:
@@ -54,7 +54,7 @@ class Discrepancy:
     count: Array
 
     @classmethod
-    def of(cls, left: Array, seen: Seen, *, about_mean: bool = False) -> Discrepancy:
+    def of(cls, left: Array, seen: Seen, *, about_mean: bool = False) -> ModelError:
         """Of what a structure leaves (rows of all equations,).
 
         Args:

@@ -11,7 +11,7 @@ import numpy as np
 from flexdyn.arrays import Flags
 from flexdyn.diagnose.decision.model_effects import effect_of
 from flexdyn.diagnose.hypothesis.fitted import Fit
-from flexdyn.diagnose.inference.elsewhere import squares_shown
+from flexdyn.diagnose.inference.odds_by_fits import squares_shown
 from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.inference.space import Space, Structure
 
@@ -20,7 +20,7 @@ LARGEST_LOG_ODDS = 300.0
 
 
 @dataclass(frozen=True, eq=False)
-class Tried:
+class FittedStructure:
     """A structure that was fitted.
 
     Attributes:
@@ -38,7 +38,7 @@ class Tried:
     made: Fit
 
     @classmethod
-    def of(cls, space: Space, structure: Structure, value: float, made: Fit, hidden: Flags) -> Tried:
+    def of(cls, space: Space, structure: Structure, value: float, made: Fit, hidden: Flags) -> FittedStructure:
         """Of a fit and its log posterior, with Occam's factor of numbers between the points of their grid.
 
         Where a joint with a computed position begins or ends to stick, all rows contain what its friction does at an
@@ -48,12 +48,12 @@ class Tried:
         value_shown = value - whole + shown + _log_between_points(space, structure, made)
         return cls(structure, value_shown, shown, value, made)
 
-    def odds_to(self, other: Tried) -> tuple[Structure, frozenset[int], float]:
+    def odds_to(self, other: FittedStructure) -> tuple[Structure, frozenset[int], float]:
         """This structure, the candidates of another one, and the odds to that."""
         whole = frozenset(c for c, _ in other.structure)
         return self.structure, whole, math.exp(min(self.value - other.value, LARGEST_LOG_ODDS))
 
-    def beside(self, other: Tried, space: Space) -> Tried:
+    def beside(self, other: FittedStructure, space: Space) -> FittedStructure:
         """The same with the prior odds of places to another structure, if the data do not tell the two apart.
 
         That is so if they have as many numbers, and a ratio of likelihoods below 3. Widths of priors are choices, and

@@ -27,10 +27,10 @@ def stays(space: Space, c: int, made: Fit, smallest: float) -> bool:
         smallest: share of torque that an effect must make.
     """
     candidate, log_odds = space.candidates[c], space.log_odds(c)
-    if not is_seen(candidate, made, log_odds):
+    if not is_significant(candidate, made, log_odds):
         return False
     if candidate.number is not None:
-        return not made.block or is_seen(candidate, fit(made.hypothesis, made.space), log_odds)
+        return not made.block or is_significant(candidate, fit(made.hypothesis, made.space), log_odds)
     here, effect = made.hypothesis, effect_of(candidate, made.hypothesis)
     if effect is None:
         return False
@@ -39,7 +39,7 @@ def stays(space: Space, c: int, made: Fit, smallest: float) -> bool:
     return share >= least
 
 
-def is_seen(candidate: Candidate, made: Fit, log_odds: float) -> bool:
+def is_significant(candidate: Candidate, made: Fit, log_odds: float) -> bool:
     """Whether a fit tells a candidate from nothing, and a number of the file from its tolerance.
 
     Args:

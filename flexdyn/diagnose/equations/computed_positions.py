@@ -20,7 +20,7 @@ LEAST_TRANSMITTED = 0.1
 """Share of its load that a gear turned by it must transmit for the motor's torque to tell the load [1]."""
 
 
-def made_up(
+def computed_positions(
     model: FlexibleJointModel,
     links: LinkSide,
     q: Array,
