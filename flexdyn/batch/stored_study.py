@@ -11,7 +11,7 @@ from flexdyn.batch.layout import array_name
 from flexdyn.batch.study import Study
 from flexdyn.batch.studyfile import MAX_RUNS
 from flexdyn.checks import check_known, number, whole
-from flexdyn.control.commands import checked_rate
+from flexdyn.control.setting_checks import checked_rate
 from flexdyn.errors import InputError
 from flexdyn.io.yaml import check_keys, parse_yaml
 from flexdyn.robot.urdf import MAX_JOINTS
