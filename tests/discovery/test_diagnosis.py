@@ -57,13 +57,16 @@ MORE = [
     ),
     ("triple", 125001, 0, "elasticity, Stribeck friction and a wrong stiffness, which a torque gain imitates"),
     ("pair", 132001, 0, "a late command and a late encoder of the same joint"),
-    ("outside", 104001, 0, "a cable between axes, which looks like a rotor inertia that nothing determines"),
 ]
 """Cases that CI leaves out: `pytest -m slow` runs them."""
+FALSE_NAMES = [("outside", 104001, 0, "a cable between axes, which is called a torque of the shoulder's position")]
+"""Cases that are known to fail (docs/diagnosis_results.md); a test that passes is reported."""
 
 
 def _parameters() -> Iterator[Any]:
-    for cases, marks in ((CASES, ()), (MORE, (pytest.mark.slow,))):
+    slow = pytest.mark.slow
+    known = (slow, pytest.mark.xfail(strict=True, reason="a false name"))
+    for cases, marks in ((CASES, ()), (MORE, (slow,)), (FALSE_NAMES, known)):
         for family, seed, number, hidden in cases:
             yield pytest.param(family, seed, number, marks=marks, id=f"{family}-{seed}-{number}: {hidden}")
 
