@@ -129,9 +129,6 @@ def _number(entry: Any, key: str, remedy: str) -> GivenNumber | None:
 def _relative(number: GivenNumber, key: str) -> float:
     """Tolerance as a share of the value."""
     if number.tolerance is None or number.value == 0.0 or math.isinf(number.value):
-        problem, remedy = (
-            "a tolerance here is a share of the value",
-            "give a value other than 0, or leave the effect out",
-        )
-        raise InputError(problem, key=key, value=number.value, remedy=remedy)
+        remedy = "give a value other than 0, or leave the effect out"
+        raise InputError("a tolerance here is a share of the value", key=key, value=number.value, remedy=remedy)
     return number.tolerance / abs(number.value)
