@@ -56,7 +56,7 @@ CLAIMS: tuple[tuple[str, Any], ...] = (
     (r"(\d+) of the (\d+) ranked structures hold (?:it|one of these names)\.", evidence.some_of),
     (rf"The best one without (?:it|them) has (.+?) instead; its log evidence is (lower|higher) by {X}, its probability"
      rf" {P}\.", evidence.without_it),
-    (r"These effects explain the data equally well:", evidence.rivals),
+    (r"The data do not separate these effects:", evidence.rivals),
     (rf"^(.+?)(?: \((.+)\))?: probability {P}$", evidence.rival),
     (rf"Noise alone leaves {X} %\.", other.noise_leaves),
     (rf"dashed: noise alone, {X}", other.dashed),

@@ -111,7 +111,7 @@ def test_the_page_tells_what_was_found_and_why(tmp_path: Path) -> None:
         "2026-02-28 09:30:00+01:00",
         "mass of link2",
         "8011.50",
-        "These effects explain the data equally well:",
+        "The data do not separate these effects:",
         cases.SWEEPS,
         "on channel q.elbow",
         "at frame tip",

@@ -17,8 +17,17 @@ from flexdyn.records import SUFFIXES
 from tests.diagnose import slides
 from tests.faults.writers import contents, writers
 
-SERVER = """
+HOOK = """
 import os, pickle, sys
+def hook(event, arguments):
+    global left
+    if event in ("open", "os.rename", "os.remove", "os.mkdir") and str(arguments[0]).startswith(folder):
+        left -= 1
+        if left == 0:
+            os.kill(os.getpid(), 9)
+"""
+"""Kills its process just before step `left` in `folder`."""
+SERVER = f"""{HOOK}
 with open(sys.argv[1], "rb") as stream:
     save, place = pickle.load(stream)
 folder = str(place.parent)
@@ -28,12 +37,6 @@ for line in sys.stdin:
     left = int(line)
     child = os.fork()
     if child == 0:
-        def hook(event, arguments):
-            global left
-            if event in ("open", "os.rename", "os.remove", "os.mkdir") and str(arguments[0]).startswith(folder):
-                left -= 1
-                if left == 0:
-                    os.kill(os.getpid(), 9)
         sys.addaudithook(hook)
         save(place)
         os._exit(0)
@@ -44,16 +47,9 @@ ALL_NAMES = [*SUFFIXES, "run", "model", "plot.png", "plot.html", "report"]
 QUICK = (".csv", ".npz", ".mat", ".db3", "run", "model", "report")
 """One of each way to write, for CI; the others have the mark slow."""
 NAMES = [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in ALL_NAMES]
-DIAGNOSIS = """
-import os, sys
+DIAGNOSIS = f"""{HOOK}
 from flexdyn.cli import main
 left, folder = int(sys.argv[1]), sys.argv[2]
-def hook(event, arguments):
-    global left
-    if event in ("open", "os.rename", "os.remove", "os.mkdir") and str(arguments[0]).startswith(folder):
-        left -= 1
-        if left == 0:
-            os.kill(os.getpid(), 9)
 sys.addaudithook(hook)
 os._exit(main(["diagnose", "arm.yaml", "log.npz", "-o", folder]))
 """
