@@ -29,7 +29,7 @@ CLAIMS: tuple[tuple[str, Any], ...] = (
      other.planned),
     (rf"Model and measurement disagree, and no effect is established as the cause"
      rf"(?:: the most probable, (.+?), has probability {P}, and 0\.95 is required)?\.", verdict.not_established),
-    (r"There are no test data: too little moves to keep a part for them\. (?:Established on the data"
+    (r"There are no test data: the motion is too short to keep a part of it\. (?:Established on the data"
      r" of the fit: (.+?\)(?: and \d+ more)?)|No effect is established on the data of the fit)\.", verdict.untested),
     (r"The residual is largest (.+?)\.", verdict.appears),
     (r"((?:These estimates|This estimate) stopped before .+? converged: .+?\.)", verdict.unconverged),
