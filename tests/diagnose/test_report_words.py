@@ -84,7 +84,7 @@ def test_verdicts_with_nothing_to_name() -> None:
     assert verdict_sentence(stopped).endswith("no effect is established.")
     assert verdict_sentence(dataclasses.replace(stopped, stopped=())).startswith("An estimate stopped")
     untested = dataclasses.replace(cases.untested(), findings=())
-    assert verdict_sentence(untested).endswith("them. No effect is established on the data of the fit.")
+    assert verdict_sentence(untested).endswith("it. No effect is established on the data of the fit.")
     left = dataclasses.replace(cases.partly(), left=())
     assert verdict_sentence(left).endswith("Something is left that no established effect accounts for.")
     unnamed = dataclasses.replace(cases.unexplained(), considered=(), where=())
