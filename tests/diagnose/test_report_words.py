@@ -58,8 +58,8 @@ SENTENCES = {
     " and omega.",
     "not_converged": "These estimates stopped before they had converged: stiffness of elbow and damping of elbow."
     " The report claims only what has converged: a payload at frame tip (probability 0.998).",
-    "untested": "There are no test data: the motion is too short to keep a part of it. Established on the data of the fit:"
-    " Coulomb friction on the motor side of elbow (probability 0.998).",
+    "untested": "There are no test data: the motion is too short to keep a part of it. Established on the data of the"
+    " fit: Coulomb friction on the motor side of elbow (probability 0.998).",
     "interrupted": "This diagnosis was interrupted while simulating windows, stage 3 of 5, before it was finished."
     " Established by then: a payload at frame tip (probability 0.99). The test data had not been opened.",
     "interrupted_early": "This diagnosis was interrupted while comparing structures, pass 2 of at most 5, before it was"
