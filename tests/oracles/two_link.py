@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 Pair = tuple[float, float]
 Friction = Callable[[int, float], float]
@@ -56,7 +57,7 @@ class TwoLink:
     mass: float = 0.405 * 1.05
     inertia: float = 0.405 * 1.05**3 / 12.0
 
-    @property
+    @cached_property
     def elastic(self) -> tuple[int, ...]:
         """Joints with a spring."""
         return tuple(j for j in (0, 1) if math.isfinite(self.stiffness[j]))
@@ -83,8 +84,10 @@ class TwoLink:
 
     def bias(self, q: Sequence[float], v: Sequence[float]) -> Pair:
         """H(q, v): Coriolis and centrifugal torques of eq. 12, 13, and gravity."""
-        c = self.inertias(q[1])[3]
-        g1, g2 = self.weight(q[0], q[1])
+        return self._bias(self.inertias(q[1])[3], q, v)
+
+    def _bias(self, c: float, q: Sequence[float], v: Sequence[float]) -> Pair:
+        g1, g2 = self.weight(q[0], q[1]) if self.gravity else (0.0, 0.0)
         return -c * v[1] ** 2 - 2 * c * v[0] * v[1] + g1, c * v[0] ** 2 + g2
 
     def tip_torque(self, q: Sequence[float], fx: float, fy: float, mz: float) -> Pair:
@@ -95,10 +98,10 @@ class TwoLink:
 
     def accelerations(self, q: Sequence[float], v: Sequence[float], tau: Pair) -> Pair:
         """Link accelerations under link torques; the rotors of rigid joints turn with the links."""
-        d11, d22, d12, _ = self.inertias(q[1])
+        d11, d22, d12, c = self.inertias(q[1])
         d11 += 0.0 if 0 in self.elastic else self.rotor[0]
         d22 += 0.0 if 1 in self.elastic else self.rotor[1]
-        h1, h2 = self.bias(q, v)
+        h1, h2 = self._bias(c, q, v)
         r1, r2 = tau[0] - h1, tau[1] - h2
         determinant = d11 * d22 - d12 * d12
         return (d22 * r1 - d12 * r2) / determinant, (d11 * r2 - d12 * r1) / determinant
