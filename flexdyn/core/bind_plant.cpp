@@ -198,6 +198,13 @@ std::shared_ptr<Plant> make_plant(std::shared_ptr<LinkDynamics> links, Array sti
 }  // namespace
 
 void bind_plant(nb::module_& m) {
+  nb::class_<LawName>(m, "LawRow")
+      .def_prop_ro("name", [](const LawName& row) { return std::string(row.name); })
+      .def_prop_ro("stage", [](const LawName& row) { return std::string(row.stage_name()); })
+      .def_ro("parameters", &LawName::parameters)
+      .def_ro("has_state", &LawName::has_state)
+      .def_prop_ro("of_load", [](const LawName& row) { return is_of_load(row); });
+  m.def("law_table", [] { return std::vector<LawName>(std::begin(law_table), std::end(law_table)); });
   nb::class_<Law>(m, "Law");
   m.def("law", &make_law, nb::arg("name"), nb::arg("joint"), nb::arg("side"), nb::arg("parameters"),
         nb::arg("other") = -1, nb::arg("row") = std::vector<double>());

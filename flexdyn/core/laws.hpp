@@ -1,137 +1,18 @@
-// Every law is written once, here: Python classes give it its name, units and bounds and call it to draw it.
-//
-// A law belongs to a stage, which says where in the equations of motion it stands (docs/contract.md, section 3):
-//   actuator    tau_applied = law(tau, theta, omega)            on the way from command to rotor
-//   deflection  delta -> law(delta, theta)                      before every spring law
-//   spring      tau_s += law(delta, delta')                     transmission
-//   friction    left side, += law(x, u)                         smooth in u
-//   dry         left side, += level(x, u) Sgn(u)                set-valued at u = 0
-//   link        right side, += law(q, v)                        on the link
+// The formula of every law is written once, here: Python classes give it units and bounds and call it to draw it.
 //
 // Laws with a corner (dead zone, end stop, torque-speed line) take a region: the piece they are on. Solvers that
 // locate events fix the region over a step and go on smoothly past the corner; the others ask for it at every point.
 //
-// A new law needs a kind, a row in the table, its formula in the function of its stage, and, where it has a corner, its
-// cases in region_of and region_guard.
+// A new law needs a kind and a row in law_table.hpp, its formula in the function of its stage, and, where it has a corner,
+// its cases in region_of and region_guard.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
+
+#include "law_table.hpp"
 
 namespace flexdyn {
-
-enum class Stage { actuator, deflection, spring, friction, dry, link };
-enum class Side { link, motor, transmission };
-
-enum class LawKind {
-  viscous_friction,
-  coulomb_friction,
-  asymmetric_friction,
-  stribeck_friction,
-  asymmetric_viscous_friction,
-  quadratic_drag,
-  load_dependent_friction,
-  directional_gear_loss,
-  position_dependent_friction,
-  presliding_friction,
-  warm_up_friction,
-  joint_coupling,
-  transmission_damping,
-  hardening_spring,
-  backlash,
-  spring_hysteresis,
-  kinematic_error,
-  torque_offset,
-  torque_constant_error,
-  torque_ripple,
-  torque_saturation,
-  torque_speed_limit,
-  supply_limit,
-  dc_motor,
-  dc_winding,  // a DC motor whose current has inductance: its state is the torque of the current
-  command_delay,  // acts on the command's time, not on its value
-  parallel_spring,
-  position_torque,
-  end_stop,
-  callback,  // a law written in Python
-  stribeck_gear_loss,
-  dry_coupling,
-};
-
-// Where the pieces of a law meet.
-enum class Corner {
-  none,
-  somewhere,
-  at_zero,  // where it is nothing itself: on which piece a motion goes on from there, the motion decides
-};
-
-struct LawName {
-  std::string_view name;
-  LawKind kind;
-  Stage stage;
-  int parameters;
-  Corner corner = Corner::none;
-  bool has_state = false;
-};
-
-// One row a law; Python knows them by these names.
-inline constexpr LawName law_table[] = {
-    {"viscous_friction", LawKind::viscous_friction, Stage::friction, 1},
-    {"coulomb_friction", LawKind::coulomb_friction, Stage::dry, 1},
-    {"asymmetric_friction", LawKind::asymmetric_friction, Stage::dry, 2},
-    {"stribeck_friction", LawKind::stribeck_friction, Stage::dry, 3},
-    {"asymmetric_viscous_friction", LawKind::asymmetric_viscous_friction, Stage::friction, 2, Corner::at_zero},
-    {"quadratic_drag", LawKind::quadratic_drag, Stage::friction, 1},
-    {"load_dependent_friction", LawKind::load_dependent_friction, Stage::dry, 1, Corner::at_zero},
-    {"directional_gear_loss", LawKind::directional_gear_loss, Stage::dry, 2, Corner::at_zero},
-    {"stribeck_gear_loss", LawKind::stribeck_gear_loss, Stage::dry, 3, Corner::at_zero},
-    {"position_dependent_friction", LawKind::position_dependent_friction, Stage::dry, 3},
-    {"dry_coupling", LawKind::dry_coupling, Stage::dry, 2},
-    {"presliding_friction", LawKind::presliding_friction, Stage::friction, 3, Corner::none, true},
-    {"warm_up_friction", LawKind::warm_up_friction, Stage::friction, 2},
-    {"joint_coupling", LawKind::joint_coupling, Stage::friction, 1},
-    {"transmission_damping", LawKind::transmission_damping, Stage::spring, 1},
-    {"hardening_spring", LawKind::hardening_spring, Stage::spring, 1},
-    {"backlash", LawKind::backlash, Stage::deflection, 1, Corner::somewhere},
-    {"spring_hysteresis", LawKind::spring_hysteresis, Stage::spring, 2, Corner::none, true},
-    {"kinematic_error", LawKind::kinematic_error, Stage::deflection, 3},
-    {"torque_offset", LawKind::torque_offset, Stage::actuator, 1},
-    {"torque_constant_error", LawKind::torque_constant_error, Stage::actuator, 1},
-    {"torque_ripple", LawKind::torque_ripple, Stage::actuator, 3},
-    {"torque_saturation", LawKind::torque_saturation, Stage::actuator, 1},
-    {"torque_speed_limit", LawKind::torque_speed_limit, Stage::actuator, 2, Corner::somewhere},
-    {"supply_limit", LawKind::supply_limit, Stage::actuator, 1, Corner::somewhere},
-    {"dc_motor", LawKind::dc_motor, Stage::actuator, 3, Corner::somewhere},
-    {"dc_winding", LawKind::dc_winding, Stage::actuator, 4, Corner::somewhere, true},
-    {"command_delay", LawKind::command_delay, Stage::actuator, 1},
-    {"parallel_spring", LawKind::parallel_spring, Stage::link, 2},
-    {"position_torque", LawKind::position_torque, Stage::link, 4},
-    {"end_stop", LawKind::end_stop, Stage::link, 4, Corner::somewhere},
-};
-
-// The row of a name, null if there is none.
-inline const LawName* named(std::string_view name) {
-  for (const LawName& row : law_table) {
-    if (row.name == name) return &row;
-  }
-  return nullptr;
-}
-
-// The row of a kind, null for a law written in Python.
-inline const LawName* row_of(LawKind kind) {
-  for (const LawName& row : law_table) {
-    if (row.kind == kind) return &row;
-  }
-  return nullptr;
-}
-
-inline Corner corner_of(LawKind kind) { return row_of(kind) == nullptr ? Corner::none : row_of(kind)->corner; }
-// Dry friction in proportion to a load, which is nothing at no load.
-inline bool is_of_load(LawKind kind) {
-  return corner_of(kind) == Corner::at_zero && row_of(kind)->stage == Stage::dry;
-}
-inline bool has_state(LawKind kind) { return row_of(kind) != nullptr && row_of(kind)->has_state; }
 
 // What a law sees at one instant: position and velocity of its side (transmission: delta and its rate).
 struct LawInput {

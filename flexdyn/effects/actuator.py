@@ -15,7 +15,6 @@ class ActuatorEffect(JointEffect, abstract=True):
     """An effect on the torque of a joint's motor."""
 
     sides = ("motor",)
-    stage = "actuator"
 
 
 class TorqueOffset(ActuatorEffect):

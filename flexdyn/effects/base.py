@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from flexdyn import _core
 from flexdyn.checks import Array, check_known
 from flexdyn.effects.extent import MotionExtent
+from flexdyn.effects.law_table import LAWS
 from flexdyn.effects.parameters import USUAL_SIZES, checked_number, parameter
 from flexdyn.errors import InputError
 
@@ -50,8 +51,11 @@ class Effect:
         no_torque: if the law is no torque over position and velocity: what to use instead.
         shown: parameter values with which the documentation shows it.
         takes_load: its torque depends on what the transmission carries, so that it needs an elastic joint.
+        has_state: its law remembers, by an internal state of its own.
         order: place among the effects on the motor's torque, or on the deflection; the least acts first, users' own
             last.
+
+    A built-in law has stage, `takes_load` and `has_state` from the core's table.
 
     A diagnosis proposes every class that names `linear`, `linear_bounds` or `axes`.
 
@@ -95,6 +99,7 @@ class Effect:
     no_torque: ClassVar[str] = ""
     shown: ClassVar[Mapping[str, float]] = {}
     takes_load: ClassVar[bool] = False
+    has_state: ClassVar[bool] = False
     order: ClassVar[int] = 100
     linear: ClassVar[tuple[str, ...]] = ()
     linear_bounds: ClassVar[tuple[float, ...]] = ()
@@ -123,9 +128,13 @@ class Effect:
         if cls.grids:
             cls.axes = tuple(cls.grids)
         cls.neutral = cls.neutral or dict.fromkeys(cls.linear, 0.0)
+        if not abstract:
+            cls.name = re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
+        row = None if cls.torque is not Effect.torque else LAWS.get(cls.__dict__.get("name", ""))
+        if row is not None:
+            cls.stage, cls.takes_load, cls.has_state = row.stage, row.of_load, row.has_state
         if abstract:
             return
-        cls.name = re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
         known = _registry.get(cls.name)
         if known is not None and known.__module__ != cls.__module__:
             raise TypeError(f"an effect named {cls.name} exists already, in {known.__module__}")
@@ -158,6 +167,10 @@ class Effect:
     def is_neutral(self) -> bool:
         """Whether it changes nothing: every parameter named in `neutral` has its neutral value."""
         return bool(self.neutral) and all(getattr(self, key) == value for key, value in self.neutral.items())
+
+    def parts(self) -> tuple[Effect, ...]:
+        """What it is in the plant: one effect for each law of the core that it has."""
+        return (self,)
 
     def in_usual_range(self) -> Self:
         """The same law with its numbers in their usual range: most laws have one form only."""

@@ -8,9 +8,52 @@ from typing import Any
 import numpy as np
 
 from flexdyn.arrays import Array
+from flexdyn.effects.base import Effect
 from flexdyn.effects.joint_effect import JointEffect
 from flexdyn.effects.parameters import parameter
 from flexdyn.errors import InputError
+
+
+class CouplingPart(JointEffect, abstract=True):
+    """One law of a `JointCoupling`, as the plant has it."""
+
+    sides = ("motor",)
+
+    other: str = dataclasses.field(kw_only=True)
+
+
+class CouplingDrag(CouplingPart, abstract=True):
+    """The drag.
+
+    Args:
+        joint: its name.
+        other: the joint whose rotor turns.
+        coefficient: [N m s/rad].
+    """
+
+    name = "joint_coupling"
+    law = "coefficient*omega of joint other"
+    neutral = {"coefficient": 0.0}
+
+    coefficient: float = parameter("N m s/rad")
+
+
+class CouplingFriction(CouplingPart, abstract=True):
+    """The dry friction.
+
+    Args:
+        joint: its name.
+        other: the joint to whose rotor it is coupled by friction.
+        level: [N m].
+        ratio: [1].
+    """
+
+    name = "dry_coupling"
+    law = "level*Sgn(omega - ratio*omega of joint other)"
+    neutral = {"level": 0.0}
+
+    level: float = parameter("N m", lower=0.0)
+    ratio: float = parameter("1")
 
 
 class JointCoupling(JointEffect):
@@ -56,12 +99,11 @@ class JointCoupling(JointEffect):
             remedy = "at 0 the other motor does not take part: use coulomb_friction"
             raise InputError("a ratio other than 0 is needed", key=f"{self.name}.ratio", value=0.0, remedy=remedy)
 
-    def parts(self) -> tuple[JointEffect, ...]:
+    def parts(self) -> tuple[Effect, ...]:
         """Its laws in the plant: the drag, the dry friction, or both."""
-        if self.level == 0.0:
-            return (self,)
+        drag = CouplingDrag(self.joint, side=self.side, other=self.other, coefficient=self.coefficient)
         dry = CouplingFriction(self.joint, side=self.side, other=self.other, level=self.level, ratio=self.ratio)
-        return (dry,) if self.coefficient == 0.0 else (self.replace(level=0.0), dry)
+        return tuple(part for part in (drag, dry) if not part.is_neutral)
 
     def matches(self, second: JointCoupling) -> bool:
         """Whether the dry friction of both is of one relative velocity, so that the levels add up."""
@@ -74,24 +116,3 @@ class JointCoupling(JointEffect):
     def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
         # Pointwise the core knows one joint alone: u is the other's velocity, with this one at rest.
         return self.coefficient * u + self.level * np.sign(-self.ratio * u)
-
-
-class CouplingFriction(JointEffect, abstract=True):
-    """The dry part of a `JointCoupling`, as the plant has it.
-
-    Args:
-        joint: its name.
-        other: the joint to whose rotor it is coupled by friction.
-        level: [N m].
-        ratio: [1].
-    """
-
-    name = "dry_coupling"
-    sides = ("motor",)
-    stage = "dry"
-    law = "level*Sgn(omega - ratio*omega of joint other)"
-    neutral = {"level": 0.0}
-
-    level: float = parameter("N m", lower=0.0)
-    ratio: float = parameter("1")
-    other: str = dataclasses.field(kw_only=True)

@@ -13,12 +13,6 @@ class Friction(JointEffect, abstract=True):
     of_velocity = True
 
 
-class DryFriction(Friction, abstract=True):
-    """Friction of the same kind that is set-valued at rest."""
-
-    stage = "dry"
-
-
 class ViscousFriction(Friction):
     """Friction proportional to speed.
 
@@ -38,7 +32,7 @@ class ViscousFriction(Friction):
     coefficient: float = parameter("N m s/rad", lower=0.0)
 
 
-class CoulombFriction(DryFriction):
+class CoulombFriction(Friction):
     """Dry friction of one level, set-valued at rest.
 
     ``f = level Sgn(u)``, Sgn(0) = [-1, 1]. Paper, eq. 1, second term (b^d); its sgn(0) = 0 (eq. 2) would let a loaded
@@ -58,7 +52,7 @@ class CoulombFriction(DryFriction):
     level: float = parameter("N m", lower=0.0)
 
 
-class AsymmetricFriction(DryFriction):
+class AsymmetricFriction(Friction):
     """Dry friction with a level for each direction of motion, set-valued at rest.
 
     ``f = level_positive`` for u > 0, ``-level_negative`` for u < 0, any torque of ``[-level_negative,
@@ -83,7 +77,7 @@ class AsymmetricFriction(DryFriction):
     level_negative: float = parameter("N m", lower=0.0)
 
 
-class StribeckFriction(DryFriction):
+class StribeckFriction(Friction):
     """Dry friction in excess of the kinetic level that decreases with the speed.
 
     ``f = excess exp(-(|u|/velocity)^exponent) Sgn(u)``. Paper, eq. 1, third term: excess = b^s - b^d, velocity =

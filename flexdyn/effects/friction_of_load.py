@@ -10,8 +10,6 @@ class GearLoss(JointEffect, abstract=True):
     """Dry friction of a gear, which depends on the torque that it carries."""
 
     sides = ("motor",)
-    stage = "dry"
-    takes_load = True
 
 
 class LoadDependentFriction(GearLoss):

@@ -32,7 +32,6 @@ class PositionDependentFriction(WaveEffect, JointEffect):
     """
 
     sides = ("link", "motor")
-    stage = "dry"
     law = "amplitude*(1 + sin(harmonic*x + phase))*Sgn(u)"
     shown = {"amplitude": 0.5, "harmonic": 2.0, "phase": 0.0}
     linear_bounds = (-math.inf, -math.inf, -math.inf)

@@ -41,7 +41,6 @@ class LinkEffect(JointEffect, abstract=True):
     """A torque on a joint's link, on the right side of its equation."""
 
     sides = ("link",)
-    stage = "link"
 
 
 class ParallelSpring(LinkEffect):

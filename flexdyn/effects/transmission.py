@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn.arrays import Array
-from flexdyn.effects.base import Stage
 from flexdyn.effects.extent import MotionExtent
 from flexdyn.effects.joint_effect import JointEffect
 from flexdyn.effects.memory import MemoryEffect
@@ -22,10 +21,9 @@ from flexdyn.effects.waves import WaveEffect
 
 
 class TransmissionEffect(JointEffect, abstract=True):
-    """An effect between rotor and link; it adds to the spring's torque."""
+    """An effect between rotor and link."""
 
     sides = ("transmission",)
-    stage: ClassVar[Stage] = "spring"
 
 
 class JointElasticity(TransmissionEffect):
@@ -39,6 +37,7 @@ class JointElasticity(TransmissionEffect):
         stiffness: [N m/rad]; infinite: it stays rigid.
     """
 
+    stage = "spring"
     law = "a rigid joint becomes elastic: stiffness*delta"
     neutral = {"stiffness": math.inf}
     shown = {"stiffness": 5000.0}
@@ -106,7 +105,6 @@ class DeflectionEffect(TransmissionEffect, abstract=True):
         array([-0.75,  0.  ,  0.75])
     """
 
-    stage = "deflection"
     no_torque = "use deflection(delta, theta)"
     of_rotor: ClassVar[bool] = False
 
@@ -166,7 +164,6 @@ class SpringHysteresis(MemoryEffect):
     """
 
     sides = ("transmission",)
-    stage = "spring"
     bends_spring = True
     law = "stiffness*h, h' = delta' - abs(delta')*h/width"
     shown = {"stiffness": 1000.0, "width": 0.002}

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from flexdyn import _core
-from flexdyn.effects import Effect, JointCoupling, JointEffect, TorqueConstantError
-from flexdyn.effects.coupling import CouplingFriction
+from flexdyn.effects import Effect, JointEffect, TorqueConstantError
+from flexdyn.effects.coupling import CouplingPart
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot.axes import joint_row
@@ -27,10 +27,7 @@ def acting_effects(model: FlexibleJointModel) -> list[Effect]:
     Actuator effects are in the order in which they act; neutral effects are left out.
     """
     acting = [effect for effect in model.all_effects if not effect.is_neutral and effect.stage not in OTHER_STAGES]
-    acting = [
-        part for effect in acting for part in (effect.parts() if isinstance(effect, JointCoupling) else (effect,))
-    ]
-    acting = _gains_added(acting)
+    acting = _gains_added([part for effect in acting for part in effect.parts()])
     return sorted(acting, key=lambda effect: effect.order)
 
 
@@ -57,10 +54,9 @@ def core_law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
     if effect.is_python:
         _check_stage(effect)
         return _core.python_law(effect.stage, joint, side, _caller(effect))
-    other = model.index(effect.other) if isinstance(effect, JointCoupling | CouplingFriction) else -1
-    values = (effect.coefficient,) if isinstance(effect, JointCoupling) else effect.values
+    other = model.index(effect.other) if isinstance(effect, CouplingPart) else -1
     try:
-        return _core_law(effect.name, joint, side, values, other, () if row is None else tuple(row.tolist()))
+        return _core_law(effect.name, joint, side, effect.values, other, () if row is None else tuple(row.tolist()))
     except ValueError:
         remedy = "write its law in Python: override torque(self, x, u, *, t, tau)"
         raise InputError("the core has no law of this name", key=effect.name, remedy=remedy) from None

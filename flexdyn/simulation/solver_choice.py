@@ -10,7 +10,6 @@ import numpy as np
 
 from flexdyn import _core
 from flexdyn.arrays import Array
-from flexdyn.effects import Effect, JointCoupling
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import state_matrix
@@ -63,7 +62,8 @@ def choose_solver(
     width = getattr(solver, "smoothing", None)
     if width is None and not isinstance(solver, RungeKutta4):
         return solver, tuple(notes)
-    dry = [effect for effect in model.all_effects if _is_dry(effect) and not effect.is_neutral]
+    parts = ((effect, part) for effect in model.all_effects if not effect.is_neutral for part in effect.parts())
+    dry = [effect for effect, part in parts if part.stage == "dry"]
     if dry and width is None:
         remedy = "use DormandPrince, or give RungeKutta4 a smoothing in rad/s"
         problem = f"RungeKutta4 takes smooth laws only, and the model has {dry[0].name}"
@@ -71,10 +71,6 @@ def choose_solver(
     if dry:
         notes.append(f"dry friction is smoothed over {width:g} rad/s: a loaded joint creeps instead of sticking")
     return solver, tuple(notes)
-
-
-def _is_dry(effect: Effect) -> bool:
-    return effect.stage == "dry" or (isinstance(effect, JointCoupling) and effect.level > 0.0)
 
 
 def switch_notes(notes: tuple[str, ...], solver: Solver) -> tuple[str, ...]:

@@ -11,7 +11,10 @@ from typing import Any
 import pytest
 
 import flexdyn as fd
+from flexdyn import _core
 from flexdyn.effects import Effect, JointEffect, SensorEffect, catalogue, effect_from_dict
+from flexdyn.effects.coupling import CouplingDrag, CouplingFriction
+from flexdyn.effects.motor import MotorTorque, MotorWinding, SupplyLimit
 from tests.effects.arms import ELASTIC, RIGID, catalogue_examples, model_of, own
 
 BOTH, MOTOR, LINK, GEAR, SENSOR = ("link", "motor"), ("motor",), ("link",), ("transmission",), ("sensor",)
@@ -129,6 +132,21 @@ def test_sides_parameters_and_units(name: str, sides: tuple[str, ...], units: di
         assert field.default == DEFAULTS.get((name, key), dataclasses.MISSING)
     assert kind.summary().endswith(".")
     assert kind.law
+
+
+def test_the_core_has_the_laws_with_these_parameters() -> None:
+    """Every law of the core has one class, with its stage, its state and its number of parameters; not vice versa."""
+    table = {row.name: row for row in _core.law_table()}
+    other_laws = (CouplingDrag, CouplingFriction, SupplyLimit, MotorTorque, MotorWinding)
+    kinds = {kind.name: kind for kind in (*catalogue().values(), *other_laws)}
+    assert sorted(table) == sorted(name for name in kinds if name in table)
+    for name, row in table.items():
+        kind = kinds[name]
+        of_table = (row.stage, row.has_state, row.of_load, row.parameters)
+        assert (kind.stage, kind.has_state, kind.takes_load, len(kind.parameters())) == of_table, name
+    lawless = {kind.name: kind.stage for kind in map(type, EXAMPLES) if kind.name not in table}
+    assert lawless.pop("joint_elasticity") == "spring"
+    assert set(lawless.values()) == {"inertia", "model", "sensor"}
 
 
 @pytest.mark.parametrize("path", AT_LEAST_ZERO + ABOVE_ZERO)
