@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "complementarity.hpp"
 #include "stiffness.hpp"
 
 namespace flexdyn {
@@ -210,44 +211,32 @@ void Events::settle_contacts(double t, const double* x) {
   if (!resting.empty()) settle_resting(resting, t, x);
 }
 
-// Boxed linear complementarity by Bard's pivoting with the least-index rule, finite for a positive definite inertia:
-// flip the first contact whose state contradicts itself until none does. What is looked at are the very numbers that
-// the integration goes on with, so that it finds no contradiction where this saw none.
+// What is looked at are the very numbers that the integration goes on with, so that it finds no contradiction where this
+// saw none.
 void Events::settle_resting(const std::vector<std::size_t>& resting, double t, const double* x) {
-  std::size_t freed = plant_.contacts().size();  // the contact of the last pivot if it broke away, and by how much
+  const auto& contacts = plant_.contacts();
+  std::size_t freed = contacts.size();  // the contact of the last pivot if it broke away, and by how much
   double excess = 0.0;
-  for (int pivot = 0; pivot < 1000; ++pivot) {
-    evaluate(t, x, true);
-    auto wrong = std::find_if(resting.begin(), resting.end(),
-                              [&](std::size_t c) { return !pinned(c) && contradicts(c, t, x); });
-    if (wrong == resting.end()) wrong = std::find_if(resting.begin(), resting.end(), [&](std::size_t c) { return pinned(c); });
-    if (wrong == resting.end()) return;
-    int& motion = work_.motion[*wrong];
-    if (motion == stuck) {
-      freed = *wrong;
-      excess = slack_[freed] - margin(t, x, freed);
-      motion = work_.friction[freed] > 0.0 ? forward : backward;
-      continue;
+  const auto breaks_away = [&](std::size_t c) {
+    if (!(margin(t, x, c) < 0.0)) return stuck;
+    return work_.friction[c] > 0.0 ? forward : backward;
+  };
+  const auto flip = [&](std::size_t c) {
+    if (work_.motion[c] == stuck) {
+      freed = c;
+      excess = slack_[c] - margin(t, x, c);
+      work_.motion[c] = breaks_away(c);
+      return;
     }
-    motion = stuck;
+    work_.motion[c] = stuck;
     // Alone it can neither stick nor slide: its load is at its level up to rounding. It sticks until the load is
     // clearly above, or else every instant from here on would be an event.
-    if (*wrong == freed) slack_[freed] = std::max(slack_[freed], 2.0 * excess);
-    freed = plant_.contacts().size();
-  }
-}
-
-// Whether a contact that is taken to slide is held by others that stick and a coupling: these have to give way first.
-bool Events::pinned(std::size_t contact) const {
-  return plant_.has_couplings() && work_.motion[contact] != stuck &&
-         plant_.contact_speed(plant_.contacts()[contact], dx_.data()) == 0.0;
-}
-
-// Whether a resting contact cannot go on as it is taken to: stuck under more than it can hold, or sliding into rest.
-bool Events::contradicts(std::size_t contact, double t, const double* x) const {
-  const int motion = work_.motion[contact];
-  return motion == stuck ? margin(t, x, contact) < 0.0
-                         : motion * plant_.contact_speed(plant_.contacts()[contact], dx_.data()) <= 0.0;
+    if (c == freed) slack_[c] = std::max(slack_[c], 2.0 * excess);
+    freed = contacts.size();
+  };
+  settle_by_pivoting(
+      plant_, resting, work_.motion, [&] { evaluate(t, x, true); },
+      [&](std::size_t c) { return plant_.contact_speed(contacts[c], dx_.data()); }, breaks_away, flip);
 }
 
 }  // namespace flexdyn

@@ -51,8 +51,6 @@ class Events {
   void settle_contacts(double t, const double* x);
   void settle_directions(double t, const double* x);
   void settle_resting(const std::vector<std::size_t>& resting, double t, const double* x);
-  bool pinned(std::size_t contact) const;
-  bool contradicts(std::size_t contact, double t, const double* x) const;
   std::size_t guards() const { return plant_.contacts().size() + static_cast<std::size_t>(plant_.switches()); }
 
   const Plant& plant_;

@@ -4,6 +4,8 @@
 
 #include <Eigen/LU>
 
+#include "complementarity.hpp"
+
 namespace flexdyn {
 
 using Eigen::MatrixXd;
@@ -44,36 +46,50 @@ void StepContacts::levels(Plant::Workspace& work, double t, const std::vector<do
   work.located = true;
 }
 
-// Bard's pivoting: flip the first contact that contradicts itself until none does; motions of the last step first.
+// Motions of the last step first.
 VectorXd StepContacts::boxed_solve(const MatrixXd& A, const VectorXd& b) {
   const auto& contacts = plant_.contacts();
-  VectorXd w(N_);
-  for (int pivot = 0; pivot < 1000; ++pivot) {
-    VectorXd rest = b;
-    std::vector<char> held(N_, 0);
-    std::vector<Tie> ties;
-    for (std::size_t c = 0; c < contacts.size(); ++c) {
-      const int at = place(contacts[c]);
-      const double sliding = motion_[c] * level_[2 * c + (motion_[c] > 0)];
-      if (contacts[c].couples()) {
-        const int other = other_place(contacts[c]);
-        if (motion_[c] == stuck) ties.push_back({at, other, contacts[c].ratio, c});
-        rest[at] -= sliding;
-        rest[other] += contacts[c].ratio * sliding;
-      } else if (motion_[c] == stuck) {
-        held[at] = 1;
-      } else {
-        rest[at] -= sliding;
-      }
-    }
-    if (plant_.has_couplings() ? settled(A, rest, held, ties, w) : consistent(A, rest, held, w)) break;
-  }
-  return w;
+  load_.resize(contacts.size());
+  state_.assign(plant_.state_size(), 0.0);
+  const auto breaks_away = [&](std::size_t c) {
+    const Box box = box_of(c);
+    return load_[c] > box.above ? forward : load_[c] < -box.below ? backward : stuck;
+  };
+  settle_by_pivoting(
+      plant_, every_, motion_, [&] { solve(A, b); },
+      [&](std::size_t c) { return plant_.contact_speed(contacts[c], state_.data()); }, breaks_away,
+      [&](std::size_t c) { motion_[c] = motion_[c] == stuck ? breaks_away(c) : stuck; });
+  return Eigen::Map<const VectorXd>(state_.data() + N_, N_);
 }
 
-// One pivot: the velocities that are not held, the motion of the contacts, and whether none contradicts it.
-bool StepContacts::consistent(const MatrixXd& A, const VectorXd& rest, const std::vector<char>& held, VectorXd& w) {
+// Velocities, and the load of each stuck contact, where every contact goes on as it is taken to.
+void StepContacts::solve(const MatrixXd& A, const VectorXd& b) {
   const auto& contacts = plant_.contacts();
+  VectorXd rest = b;
+  std::vector<char> held(N_, 0);
+  std::vector<Tie> ties;
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    const int at = place(contacts[c]);
+    const double sliding = motion_[c] * level_[2 * c + (motion_[c] > 0)];
+    if (contacts[c].couples()) {
+      const int other = other_place(contacts[c]);
+      if (motion_[c] == stuck) ties.push_back({at, other, contacts[c].ratio, c});
+      rest[at] -= sliding;
+      rest[other] += contacts[c].ratio * sliding;
+    } else if (motion_[c] == stuck) {
+      held[at] = 1;
+    } else {
+      rest[at] -= sliding;
+    }
+  }
+  if (plant_.has_couplings()) solve_tied(A, rest, held, ties);
+  else solve_apart(A, rest, held);
+}
+
+// No motors are coupled by dry friction: a contact holds one velocity.
+void StepContacts::solve_apart(const MatrixXd& A, const VectorXd& rest, const std::vector<char>& held) {
+  const auto& contacts = plant_.contacts();
+  Eigen::Map<VectorXd> w(state_.data() + N_, N_);
   std::vector<int> free;
   for (int i = 0; i < N_; ++i) {
     if (!held[i]) free.push_back(i);
@@ -84,51 +100,27 @@ bool StepContacts::consistent(const MatrixXd& A, const VectorXd& rest, const std
     w(free) = moving;
   }
   for (std::size_t c = 0; c < contacts.size(); ++c) {
-    const int at = place(contacts[c]), before = motion_[c];
-    if (before != stuck) {
-      if (before * w[at] <= 0.0) motion_[c] = stuck;
-    } else {
-      const double reaction = rest[at] - A.row(at).dot(w);
-      if (reaction > level_[2 * c + 1]) motion_[c] = forward;
-      else if (reaction < -level_[2 * c]) motion_[c] = backward;
-    }
-    if (motion_[c] != before) return false;
+    const int at = place(contacts[c]);
+    if (motion_[c] == stuck) load_[c] = rest[at] - A.row(at).dot(w);
   }
-  return true;
 }
 
-// One pivot where motors are coupled by dry friction: the motion of these contacts, and whether none contradicts it.
-bool StepContacts::settled(const MatrixXd& A, const VectorXd& rest, const std::vector<char>& held,
-                           const std::vector<Tie>& ties, VectorXd& w) {
+// Where motors are coupled by dry friction.
+void StepContacts::solve_tied(const MatrixXd& A, const VectorXd& rest, const std::vector<char>& held,
+                              const std::vector<Tie>& ties) {
   const auto& contacts = plant_.contacts();
+  Eigen::Map<VectorXd> w(state_.data() + N_, N_);
   const MatrixXd T = free_moves(held, ties);
   w.setZero();
   if (T.cols() > 0) w = T * MatrixXd(T.transpose() * A * T).partialPivLu().solve(VectorXd(T.transpose() * rest));
   VectorXd reaction = rest - A * w;
-  std::vector<double> friction(contacts.size(), 0.0);
   for (const Tie& tie : ties) {
-    friction[tie.contact] = take_share(tie, held, box_of(tie.contact), box_at(tie.one), box_at(tie.other),
-                                       reaction[tie.one], reaction[tie.other]);
+    load_[tie.contact] = take_share(tie, held, box_of(tie.contact), box_at(tie.one), box_at(tie.other),
+                                    reaction[tie.one], reaction[tie.other]);
   }
-  std::vector<double> velocities(plant_.state_size(), 0.0);
-  std::copy(w.data(), w.data() + N_, velocities.begin() + N_);
-  int* pinned = nullptr;  // taken to slide and held by others and a coupling: these have to give way first
   for (std::size_t c = 0; c < contacts.size(); ++c) {
-    const int before = motion_[c];
-    if (before != stuck) {
-      const double speed = before * plant_.contact_speed(contacts[c], velocities.data());
-      if (speed == 0.0 && pinned == nullptr) pinned = &motion_[c];
-      if (speed < 0.0) motion_[c] = stuck;
-    } else {
-      const double load = contacts[c].couples() ? friction[c] : reaction[place(contacts[c])];
-      const Box box = box_of(c);
-      if (load > box.above) motion_[c] = forward;
-      else if (load < -box.below) motion_[c] = backward;
-    }
-    if (motion_[c] != before) return false;
+    if (!contacts[c].couples()) load_[c] = reaction[place(contacts[c])];
   }
-  if (pinned != nullptr) *pinned = stuck;
-  return pinned == nullptr;
 }
 
 Box StepContacts::box_at(int velocity) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <numeric>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,7 +15,10 @@ namespace flexdyn {
 class StepContacts {
  public:
   explicit StepContacts(const Plant& plant)
-      : plant_(plant), N_(plant.velocities()), motion_(plant.contacts().size(), stuck) {}
+      : plant_(plant), N_(plant.velocities()), every_(plant.contacts().size()),
+        motion_(plant.contacts().size(), stuck) {
+    std::iota(every_.begin(), every_.end(), std::size_t{0});
+  }
 
   // Impulse that every contact can hold over a step of length h: for sliding on, and for turning round from rest.
   void levels(Plant::Workspace& work, double t, const std::vector<double>& state, double h);
@@ -22,10 +26,10 @@ class StepContacts {
   Eigen::VectorXd boxed_solve(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
  private:
-  bool consistent(const Eigen::MatrixXd& A, const Eigen::VectorXd& rest, const std::vector<char>& held,
-                  Eigen::VectorXd& w);
-  bool settled(const Eigen::MatrixXd& A, const Eigen::VectorXd& rest, const std::vector<char>& held,
-               const std::vector<Tie>& ties, Eigen::VectorXd& w);
+  void solve(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+  void solve_apart(const Eigen::MatrixXd& A, const Eigen::VectorXd& rest, const std::vector<char>& held);
+  void solve_tied(const Eigen::MatrixXd& A, const Eigen::VectorXd& rest, const std::vector<char>& held,
+                  const std::vector<Tie>& ties);
   int place(const DryContact& contact) const { return static_cast<int>(plant_.velocity_index(contact)) - N_; }
   int other_place(const DryContact& contact) const { return static_cast<int>(plant_.other_index(contact)) - N_; }
   // What a contact can hold over the step.
@@ -34,8 +38,11 @@ class StepContacts {
 
   const Plant& plant_;
   int N_;
-  std::vector<int> motion_;    // of each contact in the last step
-  std::vector<double> level_;  // of each contact: backward, forward
+  std::vector<std::size_t> every_;  // contact
+  std::vector<int> motion_;         // of each contact in the last step
+  std::vector<double> level_;       // of each contact: backward, forward
+  std::vector<double> load_;        // of each stuck contact, as an impulse
+  std::vector<double> state_;       // as the plant has it, of which only the velocities are used
 };
 
 }  // namespace flexdyn
