@@ -11,6 +11,7 @@ import numpy as np
 
 from flexdyn.analysis.steady_points import SteadyPoint
 from flexdyn.arrays import Array, Flags
+from flexdyn.effects.catalogue import find_effect
 
 LAWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"stribeck_friction": ("excess", "velocity"), "quadratic_drag": ("coefficient",)}
@@ -21,6 +22,9 @@ SLOWEST_STRIBECK_SHARE = 0.5
 FASTEST_STRIBECK_SHARE = 0.5
 """No Stribeck velocity above this share of the highest speed is believed: the data show no more than a curve [1]."""
 VELOCITY = "stribeck_friction.velocity"
+EXCESS = "stribeck_friction.excess"
+ALWAYS = MappingProxyType({"level": "coulomb_friction.level", "viscous": "viscous_friction.coefficient"})
+"""Parameters of every curve, and those of the effects that they are."""
 LIKELY = 3.84
 """Rise of the sum of squared normalised residuals at the ends of an interval of 95 % [1]: a likelihood ratio, the
 quantile of chi^2 with one degree of freedom."""
@@ -95,7 +99,7 @@ class FrictionCurve:
         if velocity is not None:
             at = names.index(VELOCITY)
             values[at] = velocity
-            X[:, at] *= values[names.index("stribeck_friction.excess")]
+            X[:, at] *= values[names.index(EXCESS)]
         length = np.linalg.norm(X, axis=0)
         length[length == 0.0] = 1.0
         inverse = np.linalg.pinv((X / length).T @ (X / length), hermitian=True) / np.outer(length, length)
@@ -138,10 +142,10 @@ class FrictionCurve:
 def _column(name: str, u: Array, velocity: float | None) -> Array:
     """Derivative of the curve by a parameter; the one by the velocity is for an excess of 1."""
     if velocity is not None and name == VELOCITY:
-        return np.asarray(u / velocity**2 * np.exp(-u / velocity))
-    if velocity is not None and name == "stribeck_friction.excess":
-        return np.asarray(np.exp(-u / velocity))
-    return np.asarray({"level": u**0, "viscous": u}.get(name, u * u))
+        return u / velocity**2 * _column(EXCESS, u, velocity)
+    law, parameter = ALWAYS.get(name, name).split(".")
+    numbers = {parameter: 1.0} | ({"velocity": velocity} if name == EXCESS else {})
+    return find_effect(law)("joint", side="motor", **numbers).torque(0.0, u)
 
 
 def _physical(X: Array, y: Array) -> Array:

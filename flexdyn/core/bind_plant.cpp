@@ -60,29 +60,35 @@ double law_value(const Law& law, const LawInput& in, double tau) {
   const double direction = (in.u > 0.0) - (in.u < 0.0);
   switch (law.stage) {
     case Stage::friction: return friction_torque(law.kind, law.p, in, region);
-    case Stage::spring: return law.kind == LawKind::transmission_damping ? law.p[0] * in.u : spring_torque(law.kind, law.p, in);
+    case Stage::spring: return spring_torque(law.kind, law.p, in);
     case Stage::actuator: return actuator_torque(law.kind, law.p, in, tau, region);
     case Stage::link: return link_torque(law.kind, law.p, in, region);
     case Stage::dry: return direction * dry_level(law.kind, law.p, in, direction, region);
     case Stage::deflection: break;
   }
-  return law.kind == LawKind::backlash ? (region == 0 ? 0.0 : in.x - region * law.p[0])
-                                       : in.x + law.p[0] * std::sin(law.p[1] * tau + law.p[2]);
+  return deflection_after(law.kind, law.p, in.x, tau, region);
 }
 
-// The law over whole recordings; dry laws give the set's end in the direction of u, and 0 at u = 0.
+// The law over whole recordings; dry laws give the set's end in the direction of u, and 0 at u = 0. For the stage
+// deflection tau is theta.
 void evaluate_law(const std::string& name, const std::vector<double>& parameters, Array t, Array x, Array u, Array tau,
-                  OutArray out) {
+                  Array z, OutArray out) {
   const Law law = make_law(name, 0, "motor", parameters, -1, {});
   const std::size_t count = out.size();
-  require(t.size() == count && x.size() == count && u.size() == count && tau.size() == count, "sizes differ");
+  require(t.size() == count && x.size() == count && u.size() == count && tau.size() == count && z.size() == count,
+          "sizes differ");
   nb::gil_scoped_release release;
   for (std::size_t i = 0; i < count; ++i) {
-    LawInput in{t.data()[i], x.data()[i], u.data()[i]};
-    in.tau_s = tau.data()[i];
+    LawInput in{t.data()[i], x.data()[i], u.data()[i], z.data()[i], tau.data()[i]};
     in.other = in.u;
     out.data()[i] = law_value(law, in, tau.data()[i]);
   }
+}
+
+void evaluate_slope(const std::string& name, const std::vector<double>& parameters, Array theta, OutArray out) {
+  const Law law = make_law(name, 0, "transmission", parameters, -1, {});
+  require(theta.size() == out.size(), "sizes differ");
+  for (std::size_t i = 0; i < out.size(); ++i) out.data()[i] = deflection_slope(law.kind, law.p, theta.data()[i]);
 }
 
 // States of a law that remembers, z' = u - |u| z/reach, along a path; exact where it is monotone between its points.
@@ -210,7 +216,8 @@ void bind_plant(nb::module_& m) {
         nb::arg("other") = -1, nb::arg("row") = std::vector<double>());
   m.def("python_law", &make_python_law, nb::arg("stage"), nb::arg("joint"), nb::arg("side"), nb::arg("callable"));
   m.def("evaluate_law", &evaluate_law, nb::arg("name"), nb::arg("parameters"), nb::arg("t"), nb::arg("x"),
-        nb::arg("u"), nb::arg("tau"), nb::arg("out"));
+        nb::arg("u"), nb::arg("tau"), nb::arg("z"), nb::arg("out"));
+  m.def("deflection_slope", &evaluate_slope, nb::arg("name"), nb::arg("parameters"), nb::arg("theta"), nb::arg("out"));
   m.def("states_along", &states_along, nb::arg("x"), nb::arg("reach"), nb::arg("z0"), nb::arg("out"));
   nb::class_<Plant>(m, "Plant")
       .def_prop_ro("n", &Plant::n)

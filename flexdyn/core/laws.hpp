@@ -72,10 +72,25 @@ inline double dry_level(LawKind kind, const double* p, const LawInput& in, doubl
 // Contribution to the spring's torque [N m]; x is the effective deflection, u its rate.
 inline double spring_torque(LawKind kind, const double* p, const LawInput& in) {
   switch (kind) {
+    case LawKind::transmission_damping: return p[0] * in.u;
     case LawKind::hardening_spring: return p[0] * in.x * in.x * in.x;
     case LawKind::spring_hysteresis: return p[0] * in.z;
     default: return 0.0;
   }
+}
+
+// The deflection as spring laws see it [rad or m]; theta is the rotor's position.
+inline double deflection_after(LawKind kind, const double* p, double delta, double theta, int region) {
+  switch (kind) {
+    case LawKind::kinematic_error: return delta + p[0] * std::sin(p[1] * theta + p[2]);
+    case LawKind::backlash: return region == 0 ? 0.0 : delta - region * p[0];
+    default: return delta;
+  }
+}
+
+// What it grows by as the rotor turns while delta stays [1]: the rotor's torque is larger by this share.
+inline double deflection_slope(LawKind kind, const double* p, double theta) {
+  return kind == LawKind::kinematic_error ? p[0] * p[1] * std::cos(p[1] * theta + p[2]) : 0.0;
 }
 
 // Torque on the link, right side of its equation [N m]. An end stop presses, it never pulls.

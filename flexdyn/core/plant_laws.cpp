@@ -48,8 +48,8 @@ void Plant::transmission(Workspace& w, double t, const double* x) const {
   for (const Law& law : deflection_) {
     const int j = law.joint;
     if (law.kind == LawKind::kinematic_error) {
-      const double angle = law.p[1] * w.theta[j] + law.p[2], slope = law.p[0] * law.p[1] * std::cos(angle);
-      w.deflection[j] += law.p[0] * std::sin(angle);
+      const double slope = deflection_slope(law.kind, law.p, w.theta[j]);
+      w.deflection[j] = deflection_after(law.kind, law.p, w.deflection[j], w.theta[j], 0);
       w.deflection_rate[j] += slope * w.omega[j];
       w.rotor_gain[j] += slope;
       continue;
@@ -57,7 +57,7 @@ void Plant::transmission(Workspace& w, double t, const double* x) const {
     w.switch_input[law.region] = w.deflection[j];
     if (!w.located) w.region[law.region] = current_region(w, law.region, t, x);
     const int side = w.region[law.region];
-    w.deflection[j] = side == 0 ? 0.0 : w.deflection[j] - side * law.p[0];
+    w.deflection[j] = deflection_after(law.kind, law.p, w.deflection[j], w.theta[j], side);
     if (side == 0) w.deflection_rate[j] = 0.0;
   }
   for (const int j : elastic_) w.spring[j] = K_[j] * w.deflection[j];
@@ -74,7 +74,7 @@ void Plant::transmission(Workspace& w, double t, const double* x) const {
     w.tau_rotor[j] = w.rotor_gain[j] * w.spring[j] + damping;
   }
   for (const Law& law : damper_) {
-    const double torque = law.p[0] * (w.omega[law.joint] - v_[law.joint]);
+    const double torque = spring_torque(law.kind, law.p, {t, 0.0, w.omega[law.joint] - v_[law.joint]});
     w.tau_s[law.joint] += torque;
     w.tau_rotor[law.joint] += torque;
   }

@@ -283,10 +283,10 @@ class Effect:
         """Names of its fields that are not numbers."""
         return {}
 
-    def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
-        """The core's law of this name over contiguous columns."""
+    def _evaluate(self, t: Array, x: Array, u: Array, tau: Array, z: Array | None = None) -> Array:
+        """The core's law of this name over contiguous columns; z is its state, if it has one."""
         out = np.empty(x.shape)
-        _core.evaluate_law(self.name, self.values, t, x, u, tau, out)
+        _core.evaluate_law(self.name, self.values, t, x, u, tau, np.zeros(x.shape) if z is None else z, out)
         return out
 
 

@@ -101,9 +101,18 @@ class JointCoupling(JointEffect):
 
     def parts(self) -> tuple[Effect, ...]:
         """Its laws in the plant: the drag, the dry friction, or both."""
-        drag = CouplingDrag(self.joint, side=self.side, other=self.other, coefficient=self.coefficient)
-        dry = CouplingFriction(self.joint, side=self.side, other=self.other, level=self.level, ratio=self.ratio)
-        return tuple(part for part in (drag, dry) if not part.is_neutral)
+        return tuple(part for part in self._drag_and_friction() if not part.is_neutral)
+
+    def torques(self, omega: Array, omega_other: Array) -> tuple[Array, Array]:
+        """Its torques on the rotors of `joint` and of `other`, on the left side of their equations [N m].
+
+        Args:
+            omega: velocity of the rotor of `joint` [rad/s].
+            omega_other: the same of `other`.
+        """
+        drag, dry = self._drag_and_friction()
+        rubbing = dry.torque(0.0, omega - self.ratio * omega_other)
+        return drag.torque(0.0, omega_other) + rubbing, -self.ratio * rubbing
 
     def matches(self, second: JointCoupling) -> bool:
         """Whether the dry friction of both is of one relative velocity, so that the levels add up."""
@@ -114,5 +123,9 @@ class JointCoupling(JointEffect):
         return super()._example_place(joint, other) | {"other": other}
 
     def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
-        # Pointwise the core knows one joint alone: u is the other's velocity, with this one at rest.
-        return self.coefficient * u + self.level * np.sign(-self.ratio * u)
+        return self.torques(np.zeros_like(u), u)[0]  # u is the other's velocity, with this one at rest
+
+    def _drag_and_friction(self) -> tuple[CouplingDrag, CouplingFriction]:
+        drag = CouplingDrag(self.joint, side=self.side, other=self.other, coefficient=self.coefficient)
+        dry = CouplingFriction(self.joint, side=self.side, other=self.other, level=self.level, ratio=self.ratio)
+        return drag, dry

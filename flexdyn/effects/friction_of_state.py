@@ -7,7 +7,6 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from flexdyn.arrays import Array
 from flexdyn.effects.extent import SLOW_HARMONICS, MotionExtent
 from flexdyn.effects.joint_effect import JointEffect
 from flexdyn.effects.memory import MemoryEffect
@@ -96,9 +95,6 @@ class PreslidingFriction(MemoryEffect):
     def reach(self) -> float:
         """Largest bend of the bristles, level/stiffness [rad or m]."""
         return self.level / self.stiffness
-
-    def _torque_of(self, z: Array, rate: Array) -> Array:
-        return self.stiffness * z + self.damping * rate
 
 
 class WarmUpFriction(JointEffect):

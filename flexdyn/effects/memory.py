@@ -57,15 +57,12 @@ class MemoryEffect(JointEffect, abstract=True):
             the torque (samples,) [N m or N].
         """
         z = self.states_along(x, z0)
-        speed = np.broadcast_to(np.asarray(u, dtype=float), z.shape)
-        pull = np.abs(speed) * z / self.reach if self.reach > 0.0 else speed
-        return self._torque_of(z, speed - pull)
+        if self.reach == 0.0:
+            return z
+        nothing = np.zeros(z.shape)
+        return self._evaluate(nothing, nothing, nothing + u, nothing, z)
 
     def example_path(self) -> Array:
         """A path that shows the loop: out and back twice, widely and then less so (samples,) [rad or m]."""
         turns = self.reach * np.array([0.0, 4.0, -4.0, 4.0, 2.0, 4.0])
         return np.interp(np.linspace(0.0, 5.0, 1201), np.arange(6.0), turns)
-
-    def _torque_of(self, z: Array, rate: Array) -> Array:
-        """The torque from the state and its rate z'."""
-        raise NotImplementedError

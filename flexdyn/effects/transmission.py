@@ -12,6 +12,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexdyn import _core
 from flexdyn.arrays import Array
 from flexdyn.effects.extent import MotionExtent
 from flexdyn.effects.joint_effect import JointEffect
@@ -122,7 +123,10 @@ class DeflectionEffect(TransmissionEffect, abstract=True):
 
     def slope(self, theta: Array) -> Array:
         """Derivative of what it adds by the rotor's position [1]: the rotor's torque is larger by this share."""
-        return np.zeros_like(theta)
+        at = np.ascontiguousarray(theta, dtype=float)
+        out = np.empty(at.shape)
+        _core.deflection_slope(self.name, self.values, at, out)
+        return out
 
 
 class Backlash(DeflectionEffect):
@@ -178,9 +182,6 @@ class SpringHysteresis(MemoryEffect):
         """Largest abs(h): the width [rad or m]."""
         return self.width
 
-    def _torque_of(self, z: Array, rate: Array) -> Array:
-        return self.stiffness * z
-
 
 class KinematicError(WaveEffect, DeflectionEffect):
     """A gear with an uneven ratio over a turn: it deflects the spring as the rotor turns.
@@ -208,7 +209,3 @@ class KinematicError(WaveEffect, DeflectionEffect):
     def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
         """See the base class."""
         return extent.waves((1.0, 2.0, 3.0, 4.0), (1.0, 2.0, 4.0))
-
-    def slope(self, theta: Array) -> Array:
-        """See the base class."""
-        return np.asarray(self.amplitude * self.harmonic * np.cos(self.harmonic * theta + self.phase))

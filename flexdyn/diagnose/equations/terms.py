@@ -124,9 +124,8 @@ def spread_torques(effect: JointEffect, model: FlexibleJointModel, motion: Smoot
         return "link", torques + own[:, None] * row
     assert isinstance(effect, JointCoupling)  # noqa: S101 - see `spreads`
     one, other = model.index(effect.joint), model.index(effect.other)
-    rubbing = effect.level * np.sign(motion.omega[:, one] - effect.ratio * motion.omega[:, other])
-    torques[:, one] = -rubbing - effect.coefficient * motion.omega[:, other]
-    torques[:, other] = effect.ratio * rubbing
+    on_one, on_other = effect.torques(motion.omega[:, one], motion.omega[:, other])
+    torques[:, one], torques[:, other] = -on_one, -on_other
     return "motor", torques
 
 
