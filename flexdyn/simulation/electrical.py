@@ -171,6 +171,7 @@ def electrical(model: FlexibleJointModel, tau: Array, omega: Array, z: Array) ->
             continue
         motor = joint.actuator.dc_motor
         kt = joint.gear_ratio * motor.torque_constant
+        # What dc_motor and dc_winding of laws.hpp make of volts, as a current.
         free = (volts[:, j] - kt * omega[:, j]) / motor.resistance
         if motor.inductance == 0.0:
             current[:, j] = np.clip(free, -motor.current_limit, motor.current_limit)

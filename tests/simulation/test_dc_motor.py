@@ -69,6 +69,7 @@ def test_supply_and_current_limit_cut_it(tmp_path: Path, solver: Any, error: flo
     np.testing.assert_allclose(run.v[:, 0], wanted, atol=error * 12.0 / k)
     middle = run.t < 0.9 * reached
     np.testing.assert_allclose(run.electrical.current[middle, 0], 1.5, rtol=1e-12)
+    np.testing.assert_allclose(k * run.electrical.current, run.tau_applied, rtol=1e-12, atol=1e-12)
     assert (run.electrical.voltage[:, 0] < 12.0 + 1e-9).all()
 
 

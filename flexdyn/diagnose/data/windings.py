@@ -77,6 +77,7 @@ def _asked(actuator: Actuator, ratio: float, tau: Array, omega: Array, dt: Array
     wanted = volts / motor.resistance - lost
     lag = motor.inductance / motor.resistance
     kept = np.exp(-dt / lag)
+    # `winding_end` and `winding_mean` of laws.hpp, as currents.
     mean, now = np.empty(len(dt)), float(np.clip(wanted[0], -motor.current_limit, motor.current_limit))
     for k, (target, share) in enumerate(zip(wanted.tolist(), (lag / dt * (1.0 - kept)).tolist(), strict=True)):
         mean[k] = target + (now - target) * share

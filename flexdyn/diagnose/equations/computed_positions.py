@@ -97,6 +97,7 @@ def _wound(model: FlexibleJointModel, j: int, carried: Array) -> Array:
     for _ in range(STEEP_SPRING_ROUNDS if _springs(model, j) else 0):
         torque, slope = _spring(model, j, seen)
         seen = seen + (carried - torque) / slope
+    # The inverse of `deflection_after` in laws.hpp.
     gap = sum(effect.half_gap for effect in _acting(model, j) if isinstance(effect, Backlash))
     return np.asarray(seen + gap * np.sign(carried))
 
