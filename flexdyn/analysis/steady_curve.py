@@ -145,7 +145,7 @@ def _column(name: str, u: Array, velocity: float | None) -> Array:
         return u / velocity**2 * _column(EXCESS, u, velocity)
     law, parameter = ALWAYS.get(name, name).split(".")
     numbers = {parameter: 1.0} | ({"velocity": velocity} if name == EXCESS else {})
-    return find_effect(law)("joint", side="motor", **numbers).torque(0.0, u)
+    return find_effect(law).from_dict({"joint": "joint", "side": "motor", **numbers}).torque(0.0, u)
 
 
 def _physical(X: Array, y: Array) -> Array:

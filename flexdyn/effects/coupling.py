@@ -122,7 +122,7 @@ class JointCoupling(JointEffect):
     def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
         return super()._example_place(joint, other) | {"other": other}
 
-    def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
+    def _evaluate(self, t: Array, x: Array, u: Array, tau: Array, z: Array | None = None) -> Array:
         return self.torques(np.zeros_like(u), u)[0]  # u is the other's velocity, with this one at rest
 
     def _drag_and_friction(self) -> tuple[CouplingDrag, CouplingFriction]:

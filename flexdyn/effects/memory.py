@@ -60,7 +60,7 @@ class MemoryEffect(JointEffect, abstract=True):
         if self.reach == 0.0:
             return z
         nothing = np.zeros(z.shape)
-        return self._evaluate(nothing, nothing, nothing + u, nothing, z)
+        return self._evaluate(nothing, nothing, nothing + np.asarray(u, dtype=float), nothing, z)
 
     def example_path(self) -> Array:
         """A path that shows the loop: out and back twice, widely and then less so (samples,) [rad or m]."""

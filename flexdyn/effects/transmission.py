@@ -53,7 +53,7 @@ class JointElasticity(TransmissionEffect):
         """Linear in its compliance."""
         return {"stiffness": 1.0 / x[0]} if x[0] > 0.0 else None
 
-    def _evaluate(self, t: Array, x: Array, u: Array, tau: Array) -> Array:
+    def _evaluate(self, t: Array, x: Array, u: Array, tau: Array, z: Array | None = None) -> Array:
         # The core has no law of this name: the model adds it to the joint's stiffness.
         return self.stiffness * x
 
