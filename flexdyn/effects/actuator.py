@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from flexdyn.effects.extent import SLOW_HARMONICS, MotionExtent
+from flexdyn.effects.extent import DELAYS, SLOW_HARMONICS, MotionExtent
 from flexdyn.effects.joint_effect import JointEffect
 from flexdyn.effects.parameters import parameter, spaced
 from flexdyn.effects.waves import WaveEffect
@@ -33,6 +33,7 @@ class TorqueOffset(ActuatorEffect):
     order = 2
     linear = ("offset",)
     is_constant = True
+    regressed = "offset"
 
     offset: float = parameter("N m")
 
@@ -51,6 +52,7 @@ class TorqueConstantError(ActuatorEffect):
     shown = {"gain": 0.2}
     order = 1
     linear = ("gain",)
+    scales_torque = "gain"
     natural_size = 0.15
 
     gain: float = parameter("1")
@@ -102,6 +104,7 @@ class TorqueSpeedLimit(ActuatorEffect):
     neutral = {"stall_torque": math.inf}
     shown = {"stall_torque": 1.0, "no_load_speed": 3.0}
     order = 5
+    cuts_torque = True
     grids = {  # of the applied torque: a controller may command many times the limit
         "stall_torque": ("given", (0.45, 0.6, 0.75, 0.9, 1.2, 1.6, 2.2, 3.0)),
         "no_load_speed": ("speed", (1.1, 1.5, 2.0, 3.0, 10.0)),
@@ -153,7 +156,7 @@ class CommandDelay(ActuatorEffect):
     no_torque = "it shifts the command in time"
     shown = {"delay": 0.005}
     order = -1
-    grids = {"delay": ("one", (0.0005, 0.001, 0.002, 0.004, 0.008))}
+    grids = {"delay": ("one", DELAYS)}
     prevalence = "often"
     late_by = "delay"
 

@@ -3,17 +3,53 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from flexdyn.arrays import Array
+from flexdyn.effects.base import Effect
 from flexdyn.effects.joint_effect import JointEffect
 from flexdyn.effects.parameters import parameter
 from flexdyn.errors import InputError
 
 
-class JointCoupling(JointEffect):
+class CouplingEffect(JointEffect, abstract=True):
+    """An effect between the motors of two joints; its torque is of the velocity of the second one's rotor.
+
+    Example:
+        >>> drag = fd.effects.JointCoupling("wrist_roll", other="wrist_pitch", coefficient=0.5)
+        >>> drag.partner, drag.rubbing_ratio
+        ('wrist_pitch', None)
+    """
+
+    sides = ("motor",)
+
+    @property
+    def partner(self) -> str:
+        """Name of the second joint."""
+        raise NotImplementedError
+
+    @property
+    def rubbing_ratio(self) -> float | None:
+        """Velocity of the first rotor over that of the second one at which parts that rub between both do not slide.
+
+        None: no parts rub between them.
+        """
+        return None
+
+    def on_rotors(self, omega: Array, omega_other: Array) -> tuple[Array, Array]:
+        """Torques on both rotors, on the right side of their equations (samples,) [N m].
+
+        Args:
+            omega: of the first rotor (samples,) [rad/s].
+            omega_other: of the second one (samples,) [rad/s].
+        """
+        return -self.torque(0.0, omega_other), np.zeros_like(omega)
+
+
+class JointCoupling(CouplingEffect):
     """The rotor of one joint drags on that of another: differential wrists, belts over a common shaft.
 
     ``f_motor = coefficient omega`` of joint `other`, on the left side of the rotor's equation of `joint`. This part is
@@ -29,12 +65,12 @@ class JointCoupling(JointEffect):
         ratio: velocity of the rotor of `joint` over that of `other` without dry friction [1]; of either sign.
     """
 
-    sides = ("motor",)
     law = "coefficient*omega of joint other + level*Sgn(omega - ratio*omega of joint other)"
     neutral = {"coefficient": 0.0, "level": 0.0}
     shown = {"coefficient": 0.5}
     linear = ("coefficient",)
     unproposed = ("level", "ratio")  # dry friction between motors is no candidate
+    exact = ("ratio",)  # of teeth and pulleys
     prevalence = "often"
 
     coefficient: float = parameter("N m s/rad", default=0.0)
@@ -63,9 +99,37 @@ class JointCoupling(JointEffect):
         dry = CouplingFriction(self.joint, side=self.side, other=self.other, level=self.level, ratio=self.ratio)
         return (dry,) if self.coefficient == 0.0 else (self.replace(level=0.0), dry)
 
-    def matches(self, second: JointCoupling) -> bool:
-        """Whether the dry friction of both is of one relative velocity, so that the levels add up."""
-        return (self.joint, self.other, self.ratio) == (second.joint, second.other, second.ratio)
+    @property
+    def partner(self) -> str:
+        """See the base class."""
+        return self.other
+
+    @property
+    def rubbing_ratio(self) -> float | None:
+        """See the base class."""
+        return self.ratio if self.level > 0.0 else None
+
+    @property
+    def core_values(self) -> tuple[float, ...]:
+        """Of the drag: its dry friction is a law of its own."""
+        return (self.coefficient,)
+
+    def on_rotors(self, omega: Array, omega_other: Array) -> tuple[Array, Array]:
+        """See the base class."""
+        rubbing = self.level * np.sign(omega - self.ratio * omega_other)
+        return -rubbing - self.coefficient * omega_other, self.ratio * rubbing
+
+    def check_beside(self, others: Sequence[Effect]) -> None:
+        """Dry coupling is to one other motor only: torques in a chain of motors that stick are not determined."""
+        for first in others if self.level > 0.0 else ():
+            if not isinstance(first, CouplingEffect) or first.rubbing_ratio is None:
+                continue
+            shared = {first.joint, first.partner} & {self.joint, self.partner}
+            alike = (first.joint, first.partner, first.rubbing_ratio) == (self.joint, self.partner, self.rubbing_ratio)
+            if shared and not alike:
+                problem = f"{shared.pop()} has a dry coupling already"
+                remedy = "a joint may have one with dry friction, or several with the same joint, other and ratio"
+                raise InputError(problem, key="level", value=self.level, remedy=remedy)
 
     @classmethod
     def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
@@ -76,7 +140,7 @@ class JointCoupling(JointEffect):
         return self.coefficient * u + self.level * np.sign(-self.ratio * u)
 
 
-class CouplingFriction(JointEffect, abstract=True):
+class CouplingFriction(CouplingEffect, abstract=True):
     """The dry part of a `JointCoupling`, as the plant has it.
 
     Args:
@@ -87,7 +151,7 @@ class CouplingFriction(JointEffect, abstract=True):
     """
 
     name = "dry_coupling"
-    sides = ("motor",)
+    part_of = JointCoupling.name
     stage = "dry"
     law = "level*Sgn(omega - ratio*omega of joint other)"
     neutral = {"level": 0.0}
@@ -95,3 +159,8 @@ class CouplingFriction(JointEffect, abstract=True):
     level: float = parameter("N m", lower=0.0)
     ratio: float = parameter("1")
     other: str = dataclasses.field(kw_only=True)
+
+    @property
+    def partner(self) -> str:
+        """See the base class."""
+        return self.other

@@ -33,6 +33,7 @@ class ViscousFriction(Friction):
     law = "coefficient*u"
     shown = {"coefficient": 0.5}
     linear = ("coefficient",)
+    regressed = "viscous"
     prevalence = "everywhere"
 
     coefficient: float = parameter("N m s/rad", lower=0.0)
@@ -50,9 +51,11 @@ class CoulombFriction(DryFriction):
         level: [N m].
     """
 
+    words = "Coulomb friction"
     law = "level*Sgn(u)"
     shown = {"level": 1.0}
     linear = ("level",)
+    regressed = "coulomb"
     prevalence = "everywhere"
 
     level: float = parameter("N m", lower=0.0)
@@ -97,6 +100,7 @@ class StribeckFriction(DryFriction):
         exponent: 1 in the paper, 2 in much of the literature [1].
     """
 
+    words = "Stribeck friction"
     law = "excess*exp(-(abs(u)/velocity)^exponent)*Sgn(u)"
     shown = {"excess": 0.5, "velocity": 0.1}
     linear = ("excess",)

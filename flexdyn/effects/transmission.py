@@ -44,7 +44,7 @@ class JointElasticity(TransmissionEffect):
     shown = {"stiffness": 5000.0}
     linear_bounds = (0.0,)
     prevalence = "often"
-    makes_elastic = True
+    makes_elastic = "stiffness"
 
     stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
 
@@ -88,6 +88,7 @@ class HardeningSpring(TransmissionEffect):
     """
 
     bends_spring = True
+    conservative = True
     law = "cubic*delta^3"
     shown = {"cubic": 2.0e8}
     linear = ("cubic",)
@@ -126,6 +127,11 @@ class DeflectionEffect(TransmissionEffect, abstract=True):
         """Derivative of what it adds by the rotor's position [1]: the rotor's torque is larger by this share."""
         return np.zeros_like(theta)
 
+    @property
+    def gap(self) -> float:
+        """Deflection, from the middle of a dead zone, up to which the springs see none [rad or m]."""
+        return 0.0
+
 
 class Backlash(DeflectionEffect):
     """A gap between rotor and link: within the gap the transmission carries no spring torque.
@@ -150,6 +156,11 @@ class Backlash(DeflectionEffect):
     def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
         """See the base class."""
         return ((gap,) for gap in extent.half_gaps)
+
+    @property
+    def gap(self) -> float:
+        """See the base class."""
+        return self.half_gap
 
 
 class SpringHysteresis(MemoryEffect):

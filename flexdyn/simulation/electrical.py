@@ -9,8 +9,7 @@ import numpy as np
 from flexdyn import _core
 from flexdyn.arrays import Array
 from flexdyn.control.firmware import Firmware
-from flexdyn.effects import MemoryEffect
-from flexdyn.effects.motor import MotorWinding
+from flexdyn.effects.actuator import ActuatorEffect
 from flexdyn.errors import InputError
 from flexdyn.model.actuator import Actuator
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -187,5 +186,5 @@ def electrical(model: FlexibleJointModel, tau: Array, omega: Array, z: Array) ->
 
 def winding_states(model: FlexibleJointModel) -> dict[str, int]:
     """Joint of every motor with inductance -> place of its current's torque among the internal states."""
-    kept = [effect for effect in acting_effects(model) if isinstance(effect, MemoryEffect | MotorWinding)]
-    return {effect.joint: place for place, effect in enumerate(kept) if isinstance(effect, MotorWinding)}
+    kept = [effect for effect in acting_effects(model) if effect.has_state]
+    return {effect.joint: place for place, effect in enumerate(kept) if isinstance(effect, ActuatorEffect)}

@@ -11,8 +11,6 @@ import numpy as np
 from flexdyn import _core
 from flexdyn.arrays import Array
 from flexdyn.effects import Effect
-from flexdyn.effects.memory import MemoryEffect
-from flexdyn.effects.motor import MotorWinding
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.laws import acting_effects, core_law
 from flexdyn.simulation.link_side import build_links
@@ -97,17 +95,12 @@ class _Parts:
             rotor = f"on its rotor of {true.rotor_inertia[j]:.3g} kg m^2, reflected"
             yield name, f"the stiffness {true.stiffness[j]:.3g} {rotor},", self.slopes(x, tau, t, K=softer)
             yield name, f"the damping {true.damping[j]:.3g} {rotor},", self.slopes(x, tau, t, D=undamped)
-        first = len(x) - sum(_remembers(effect) for effect in self.effects)
+        first = len(x) - sum(effect.has_state for effect in self.effects)
         for k, effect in enumerate(self.effects):
             name = str(getattr(effect, "joint", true.name))
             others = [law for i, law in enumerate(self.laws) if i != k]
-            gone = [first + sum(_remembers(each) for each in self.effects[:k])] if _remembers(effect) else []
+            gone = [first + sum(each.has_state for each in self.effects[:k])] if effect.has_state else []
             kept = np.delete(np.arange(len(x)), gone)
             rest = np.zeros((len(x), len(x)))
             rest[np.ix_(kept, kept)] = self.slopes(x[kept], tau, t, laws=others)
             yield name, effect.name, rest
-
-
-def _remembers(effect: Effect) -> bool:
-    """Whether the law has an internal state."""
-    return isinstance(effect, MemoryEffect | MotorWinding)

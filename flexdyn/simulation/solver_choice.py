@@ -10,7 +10,7 @@ import numpy as np
 
 from flexdyn import _core
 from flexdyn.arrays import Array
-from flexdyn.effects import Effect, JointCoupling
+from flexdyn.effects import Effect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import state_matrix
@@ -74,7 +74,7 @@ def choose_solver(
 
 
 def _is_dry(effect: Effect) -> bool:
-    return effect.stage == "dry" or (isinstance(effect, JointCoupling) and effect.level > 0.0)
+    return any(part.stage == "dry" for part in effect.parts())
 
 
 def switch_notes(notes: tuple[str, ...], solver: Solver) -> tuple[str, ...]:

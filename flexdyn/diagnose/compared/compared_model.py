@@ -13,8 +13,7 @@ from flexdyn.diagnose.compared.report_file import read_report
 from flexdyn.diagnose.report.calibrated import FACTOR, given_number
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Number
-from flexdyn.diagnose.report.words import effect_name, number_phrase, place_phrase
-from flexdyn.effects import ParameterError
+from flexdyn.diagnose.report.words import effect_name, names_number, number_phrase, place_phrase
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model
@@ -85,7 +84,7 @@ def _compared(model: FlexibleJointModel, report: Mapping[str, Any], label: str) 
         where = _told(finding)
         for parameter, number in finding["parameters"].items():
             phrase = f"{parameter.replace('_', ' ')} of {where}"
-            if finding["effect"] == ParameterError.name:
+            if names_number(finding["effect"]):
                 phrase = number_phrase(model, finding["of"], finding["parameter"])
             value, std = _float(number["value"]), _float(number["std"])
             factors[phrase], relative[phrase] = value, std / max(abs(value), 1e-300)

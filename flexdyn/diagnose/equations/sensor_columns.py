@@ -13,7 +13,7 @@ from flexdyn.diagnose.equations.equations import Equations, Torques
 from flexdyn.diagnose.equations.held_torque import centred
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import of_joint, spring_torque
-from flexdyn.effects import ChannelLag, SensorEffect
+from flexdyn.effects import SensorEffect
 from flexdyn.effects.channels import by_channel
 
 
@@ -48,7 +48,7 @@ def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect 
     return np.concatenate([_moved(equations, each, signal, j, error(each)).ravel() for each in equations.motions])
 
 
-def of_lag_shape(equations: Equations, effect: ChannelLag) -> Array:
+def of_lag_shape(equations: Equations, effect: SensorEffect) -> Array:
     """Change of the rows (rows,) by the shape of the filter that makes a torque late.
 
     A filter is the mean d of its impulse response and the variance s^2 of that, to second order:
@@ -63,14 +63,14 @@ def of_lag_shape(equations: Equations, effect: ChannelLag) -> Array:
 
     def torques(along: SmoothedMotion) -> Torques:
         ahead = centred(along.data.channel(effect.signal)[:, j])  # y(t + d): the data are without the model's lags
-        return 0.5 * effect.delay**2 * _smoothed(equations, along, ahead, 2), None, None
+        return 0.5 * effect.lateness**2 * _smoothed(equations, along, ahead, 2), None, None
 
     return equations.of_terms(j, torques)
 
 
 def _true(effect: SensorEffect, data: Measured, seen: Array) -> Array:
-    if isinstance(effect, ChannelLag) and effect.signal == "tau":
-        return np.asarray(np.interp(data.t + effect.delay, data.t, seen))
+    if effect.late_by and effect.signal == "tau":
+        return np.asarray(np.interp(data.t + effect.lateness, data.t, seen))
     return true_channel([effect], seen, data)
 
 

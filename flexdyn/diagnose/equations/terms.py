@@ -10,14 +10,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.users_laws import torque_of
-from flexdyn.effects import (
-    CommandDelay,
-    DeflectionEffect,
-    Effect,
-    JointCoupling,
-    JointEffect,
-    MemoryEffect,
-)
+from flexdyn.effects import CouplingEffect, DeflectionEffect, Effect, JointEffect, MemoryEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot.axes import joint_row
 
@@ -36,7 +29,7 @@ def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: in
     What bends the torque acts before the filters, where it was recorded; after them where the command comes late.
     """
     acting = sorted((e for e in effects if e.stage == "actuator"), key=lambda e: e.order)
-    late = any(isinstance(each, CommandDelay) for each in acting)
+    late = any(each.late_by for each in acting)
     if motion.held is None or late or not any(each.of_recorded_torque for each in acting):
         return _after(acting, motion.t, motion.theta[:, j], motion.omega[:, j], motion.tau[:, j])
     theta, omega = (np.pad(x[:, j], motion.lost, mode="edge") for x in (motion.theta, motion.omega))
@@ -57,8 +50,8 @@ def torque_slope(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int)
 def _after(acting: Sequence[JointEffect], t: Array, theta: Array, omega: Array, tau: Array) -> Array:
     """A torque after some effects, one after the other (samples,)."""
     for effect in acting:
-        if isinstance(effect, CommandDelay):
-            tau = np.interp(t - effect.delay, t, tau)
+        if effect.late_by:
+            tau = np.interp(t - effect.lateness, t, tau)
         else:
             tau = torque_of(effect, theta, omega, t=t, tau=tau)
     return tau
@@ -111,7 +104,7 @@ def friction_torque(
 
 def spreads(effect: Effect, model: FlexibleJointModel) -> bool:
     """Whether an effect acts on several axes: dry friction between two motors, a law of a joint that several move."""
-    if isinstance(effect, JointCoupling) and effect.level != 0.0:
+    if isinstance(effect, CouplingEffect) and effect.rubbing_ratio is not None:
         return True
     return isinstance(effect, JointEffect) and joint_row(model.robot, effect.joint) is not None
 
@@ -122,11 +115,9 @@ def spread_torques(effect: JointEffect, model: FlexibleJointModel, motion: Smoot
     if row is not None:
         own = effect.torque(motion.q @ row, motion.v @ row, t=motion.t)
         return "link", torques + own[:, None] * row
-    assert isinstance(effect, JointCoupling)  # noqa: S101 - see `spreads`
-    one, other = model.index(effect.joint), model.index(effect.other)
-    rubbing = effect.level * np.sign(motion.omega[:, one] - effect.ratio * motion.omega[:, other])
-    torques[:, one] = -rubbing - effect.coefficient * motion.omega[:, other]
-    torques[:, other] = effect.ratio * rubbing
+    assert isinstance(effect, CouplingEffect)  # noqa: S101 - see `spreads`
+    one, other = model.index(effect.joint), model.index(effect.partner)
+    torques[:, one], torques[:, other] = effect.on_rotors(motion.omega[:, one], motion.omega[:, other])
     return "motor", torques
 
 
@@ -156,8 +147,8 @@ def own_torque(effect: JointEffect, model: FlexibleJointModel, motion: SmoothedM
         return side, effect.torque(x, u, t=motion.t)
     if isinstance(effect, MemoryEffect):
         return side, -effect.along(x, u)
-    if isinstance(effect, JointCoupling):
-        return side, -effect.torque(x, motion.omega[:, model.index(effect.other)])
+    if isinstance(effect, CouplingEffect):
+        return side, effect.on_rotors(u, motion.omega[:, model.index(effect.partner)])[0]
     return side, -torque_of(effect, x, u, t=motion.t, tau=motion.tau[:, j])
 
 

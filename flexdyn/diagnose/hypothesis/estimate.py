@@ -6,9 +6,8 @@ import dataclasses
 import math
 
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
-from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, count_of, moved
 from flexdyn.diagnose.hypothesis.linear import linearised, reached
-from flexdyn.effects import SensorOffset
 from flexdyn.errors import SimulationError
 
 NEGLIGIBLE_DROP = 0.05
@@ -89,5 +88,5 @@ def _counted(made: Fit, space: Workspace) -> Fit:
     """The fit with the fitted offsets of its encoders in the hypothesis."""
     first = made.regression.X.shape[1] - space.nuisance.shape[1]
     values = made.regression.values[first : first + len(space.channels)]
-    counts = tuple(SensorOffset(name, offset=float(x)) for name, x in zip(space.channels, values, strict=True))
+    counts = tuple(count_of(name, float(x)) for name, x in zip(space.channels, values, strict=True))
     return dataclasses.replace(made, hypothesis=dataclasses.replace(made.hypothesis, counts=counts))

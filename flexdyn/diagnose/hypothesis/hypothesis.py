@@ -74,6 +74,11 @@ class Hypothesis:
         ]
 
 
+def count_of(channel: str, offset: float) -> SensorOffset:
+    """An offset of an encoder of about a count, see `Hypothesis` [rad or m]."""
+    return SensorOffset(channel, offset=offset)
+
+
 def moved(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hypothesis:
     """The hypothesis after a step of its numbers; bounds are respected."""
     pairs = zip(hypothesis.factors.items(), step, strict=False)
