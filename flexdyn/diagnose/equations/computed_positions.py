@@ -123,7 +123,9 @@ def _spring(model: FlexibleJointModel, j: int, seen: Array) -> tuple[Array, Arra
 def _more(springs: list[JointEffect], seen: Array) -> Array:
     """Torque (samples,) of the laws in addition to the linear spring."""
     still = np.zeros_like(seen)
-    parts = (e.along(seen) if isinstance(e, MemoryEffect) else e.torque(seen, still) for e in springs)
+    parts = (
+        e.along(seen) if isinstance(e, MemoryEffect) else torque_of(e, seen, still, t=still, tau=still) for e in springs
+    )
     return np.asarray(sum(parts, still))
 
 
