@@ -111,7 +111,7 @@ class TorqueSpeedLimit(ActuatorEffect):
     }
     of_recorded_torque = True
 
-    stall_torque: float = parameter("N m", lower=0.0)
+    stall_torque: float = parameter("N m", lower=0.0, by_factor=True)
     no_load_speed: float = parameter("rad/s", lower=0.0, strict=True)
 
 

@@ -74,7 +74,7 @@ class JointCoupling(CouplingEffect):
     prevalence = "often"
 
     coefficient: float = parameter("N m s/rad", default=0.0)
-    level: float = parameter("N m", lower=0.0, default=0.0)
+    level: float = parameter("N m", lower=0.0, by_factor=True, default=0.0)
     ratio: float = parameter("1", default=1.0)
     other: str = dataclasses.field(kw_only=True)
 

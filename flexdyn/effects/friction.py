@@ -58,7 +58,7 @@ class CoulombFriction(DryFriction):
     regressed = "coulomb"
     prevalence = "everywhere"
 
-    level: float = parameter("N m", lower=0.0)
+    level: float = parameter("N m", lower=0.0, by_factor=True)
 
 
 class AsymmetricFriction(DryFriction):
@@ -109,7 +109,7 @@ class StribeckFriction(DryFriction):
 
     excess: float = parameter("N m", lower=0.0)
     velocity: float = parameter("rad/s", lower=0.0, strict=True)
-    exponent: float = parameter("1", lower=0.0, strict=True, default=1.0)
+    exponent: float = parameter("1", lower=0.0, strict=True, default=1.0, chosen=True)
 
 
 class AsymmetricViscousFriction(Friction):

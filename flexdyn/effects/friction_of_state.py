@@ -76,7 +76,7 @@ class PreslidingFriction(MemoryEffect):
     contains = ("coulomb_friction",)
     plainer = ("coulomb_friction",)
 
-    level: float = parameter("N m", lower=0.0)
+    level: float = parameter("N m", lower=0.0, by_factor=True)
     stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
     damping: float = parameter("N m s/rad", lower=0.0, default=0.0)
 

@@ -82,7 +82,7 @@ class ParallelSpring(LinkEffect):
     linear = ("stiffness",)
     axes = ("rest",)
 
-    stiffness: float = parameter("N m/rad", lower=0.0)
+    stiffness: float = parameter("N m/rad", lower=0.0, by_factor=True)
     rest: float = parameter("rad")
 
     @classmethod
@@ -145,7 +145,7 @@ class EndStop(LinkEffect):
 
     lower: float = parameter("rad", infinite=True)
     upper: float = parameter("rad", infinite=True)
-    stiffness: float = parameter("N m/rad", lower=0.0)
+    stiffness: float = parameter("N m/rad", lower=0.0, by_factor=True)
     damping: float = parameter("N m s/rad", lower=0.0)
 
     def __post_init__(self) -> None:

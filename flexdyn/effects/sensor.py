@@ -134,7 +134,7 @@ class EncoderEccentricity(WaveEffect, SensorEffect):
     natural_size = 0.01
     signals = POSITIONS
 
-    harmonic: float = parameter("1", default=1.0)
+    harmonic: float = parameter("1", default=1.0, chosen=True)
 
     @classmethod
     def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:

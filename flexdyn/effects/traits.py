@@ -20,7 +20,7 @@ class Traits:
         part_of: of a law that only the plant has: name of the effect that it is a part of.
         timed: it depends on the time since the start of the run; then `later` shifts the zero of time.
         has_state: the plant has an internal state for it.
-        conservative: it stores energy and takes none.
+        conservative: it stores energy and takes none, and the core knows how much.
         cuts_torque: it limits the torque of a motor, so that a pose or a small motion must not reach it.
         scales_torque: of a gain of the motor's torque, ``tau_applied = (1 + gain) tau``, the parameter that is the
             gain. Several on one joint add.

@@ -150,7 +150,7 @@ class Backlash(DeflectionEffect):
     axes = ("half_gap",)
     bends_spring = True
 
-    half_gap: float = parameter("rad", lower=0.0)
+    half_gap: float = parameter("rad", lower=0.0, by_factor=True)
 
     @classmethod
     def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
@@ -184,7 +184,7 @@ class SpringHysteresis(MemoryEffect):
     linear = ("stiffness",)
     grids = {"width": ("deflection", spaced(0.003, 3.0, 9))}
 
-    stiffness: float = parameter("N m/rad", lower=0.0)
+    stiffness: float = parameter("N m/rad", lower=0.0, by_factor=True)
     width: float = parameter("rad", lower=0.0, strict=True)
 
     @property

@@ -107,8 +107,7 @@ def measured(axes: Any, effect: SensorEffect) -> tuple[str, str]:
     if effect.late_by:
         return _late(axes, effect)
     lengths = [abs(getattr(effect, field.name)) for field in effect.parameters() if field.metadata["unit"] != "1"]
-    turns = any(field.name == "harmonic" for field in effect.parameters())
-    reach = 0.5 * turn(effect) if turns or not any(lengths) else 5.0 * max(lengths)
+    reach = 0.5 * turn(effect) if effect.periodic or not any(lengths) else 5.0 * max(lengths)
     true = np.linspace(-reach, reach, 801)
     reported = effect.measured(true, np.arange(801.0))
     page.cross(axes)

@@ -219,8 +219,9 @@ def _kinetic(plant: _core.Plant, states: Array, speeds: Array) -> Array:
 
 
 def _has_entry(effect: Effect) -> bool:
-    """Whether an effect can take energy."""
-    return effect.stage in ("friction", "dry", "spring", "link") and not effect.conservative
+    """Whether an effect can take energy; what a law in Python stores, only its entry tells."""
+    takes = effect.is_python or not effect.conservative
+    return takes and effect.stage in ("friction", "dry", "spring", "link")
 
 
 def _label(effect: Effect) -> str:
