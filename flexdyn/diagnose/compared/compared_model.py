@@ -73,7 +73,7 @@ def compared_model(given: Given, label: str) -> ComparedModel:
 def _compared(model: FlexibleJointModel, report: Mapping[str, Any], label: str) -> ComparedModel:
     """A model with the uncertainties and probabilities in the report of its diagnosis, else with its tolerances."""
     relative = {number_phrase(model, n.of, n.parameter): n.tolerance for n in file_numbers(model)}
-    factors, acting = {}, _acting(model)
+    factors, acting = {}, _effects_by_place(model)
     probability = {_told(each): _float(each["probability"]) for each in report.get("considered", ())}
     probability |= dict.fromkeys(acting, 1.0)
     for entry in report.get("calibration", ()):
@@ -107,7 +107,7 @@ def _numbers(
     return found
 
 
-def _acting(model: FlexibleJointModel) -> tuple[str, ...]:
+def _effects_by_place(model: FlexibleJointModel) -> tuple[str, ...]:
     """Effects of the arm or its sensors, but no wrong numbers of the file."""
     acting = (each.to_dict() for each in model.effects if not each.is_neutral and not each.in_numbers)
     return tuple(dict.fromkeys(map(_told, acting)))

@@ -99,7 +99,10 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
     if effect.makes_elastic:  # to first order
         return of_compliance(equations, j) / (float(getattr(effect, effect.makes_elastic)) * scale)
     if effect.scales_torque:
-        return equations.of_torque(j, lambda along: ("motor", effect.torque_gain * _given(equations, along, j))) / scale
+        return (
+            equations.of_torque(j, lambda along: ("motor", effect.torque_gain * _motor_torque(equations, along, j)))
+            / scale
+        )
     if stands_alone(equations, effect):
         return equations.of_torque(j, lambda along: own_torque(effect, true, along)) / scale
     if effect.stage == "actuator":
@@ -141,7 +144,7 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
     return (equations.of_joint(j, true, effects) - equations.own(j)) / step
 
 
-def _given(equations: Equations, along: SmoothedMotion, j: int) -> Array:
+def _motor_torque(equations: Equations, along: SmoothedMotion, j: int) -> Array:
     """Torque (samples,) that a motor must give according to the model, in the scale of the recorded torque."""
     return equations.needed(along, j) - equations.lost(along, j)
 

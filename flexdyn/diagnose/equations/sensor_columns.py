@@ -45,7 +45,9 @@ def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect 
 
     if signal in ("tau", "tau_s"):
         return equations.of_terms(j, torques)
-    return np.concatenate([_moved(equations, each, signal, j, error(each)).ravel() for each in equations.motions])
+    return np.concatenate(
+        [_rows_of_encoder_error(equations, each, signal, j, error(each)).ravel() for each in equations.motions]
+    )
 
 
 def of_lag_shape(equations: Equations, effect: SensorEffect) -> Array:
@@ -74,7 +76,7 @@ def _true(effect: SensorEffect, data: Measured, seen: Array) -> Array:
     return true_channel([effect], seen, data)
 
 
-def _moved(equations: Equations, along: SmoothedMotion, signal: str, j: int, wrong: Array) -> Array:
+def _rows_of_encoder_error(equations: Equations, along: SmoothedMotion, signal: str, j: int, wrong: Array) -> Array:
     """Change of the rows of one recording (times, equations) by the error of an encoder (samples,)."""
     model, combined = equations.true, equations.combined
     d0, d1, d2 = (_smoothed(equations, along, wrong, order) for order in range(3))
@@ -84,7 +86,7 @@ def _moved(equations: Equations, along: SmoothedMotion, signal: str, j: int, wro
         rows += combined(along, None, -along.dragged(j, (d0, d1, d2)), None)
     if model.elastic[j]:
         rotor = -model.rotor_inertia[j] * d2 if signal == "theta" or alone else 0.0
-        link, motor = (0.0 * d0, 0.0 * d0) if alone else _wound(equations, along, signal, j, d0, d1)
+        link, motor = (0.0 * d0, 0.0 * d0) if alone else _spring_change(equations, along, signal, j, d0, d1)
         rows += combined(along, rotor - motor, link, -link, only=j)
     elif not alone:
         wound = np.zeros_like(along.q)
@@ -93,7 +95,7 @@ def _moved(equations: Equations, along: SmoothedMotion, signal: str, j: int, wro
     return rows
 
 
-def _wound(
+def _spring_change(
     equations: Equations, along: SmoothedMotion, signal: str, j: int, d0: Array, d1: Array
 ) -> tuple[Array, Array]:
     """Change of the spring's torque on the link, and on the rotor (samples,), by changes of a position and its rate."""

@@ -31,9 +31,11 @@ def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: in
     acting = sorted((e for e in effects if e.stage == "actuator"), key=lambda e: e.order)
     late = any(each.late_by for each in acting)
     if motion.held is None or late or not any(each.of_recorded_torque for each in acting):
-        return _after(acting, motion.t, motion.theta[:, j], motion.omega[:, j], motion.tau[:, j])
+        return _through_actuator(acting, motion.t, motion.theta[:, j], motion.omega[:, j], motion.tau[:, j])
     theta, omega = (np.pad(x[:, j], motion.lost, mode="edge") for x in (motion.theta, motion.omega))
-    return motion.held.through(lambda tau: _after(acting, motion.data.t, theta, omega, tau), j, len(motion.t))
+    return motion.held.through(
+        lambda tau: _through_actuator(acting, motion.data.t, theta, omega, tau), j, len(motion.t)
+    )
 
 
 def torque_slope(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array | None:
@@ -43,11 +45,13 @@ def torque_slope(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int)
         return None
     tau = motion.tau[:, j]
     step = SLOPE_STEP * max(float(np.abs(tau).max()), 1e-300)
-    above, below = (_after(acting, motion.t, motion.theta[:, j], motion.omega[:, j], tau + x) for x in (step, -step))
+    above, below = (
+        _through_actuator(acting, motion.t, motion.theta[:, j], motion.omega[:, j], tau + x) for x in (step, -step)
+    )
     return np.asarray((above - below) / (2.0 * step))
 
 
-def _after(acting: Sequence[JointEffect], t: Array, theta: Array, omega: Array, tau: Array) -> Array:
+def _through_actuator(acting: Sequence[JointEffect], t: Array, theta: Array, omega: Array, tau: Array) -> Array:
     """A torque after some effects, one after the other (samples,)."""
     for effect in acting:
         if effect.late_by:
@@ -121,7 +125,9 @@ def spread_torques(effect: JointEffect, model: FlexibleJointModel, motion: Smoot
     return "motor", torques
 
 
-def _given(effects: Sequence[Effect], model: FlexibleJointModel, motion: SmoothedMotion, j: int) -> dict[str, Array]:
+def _not_friction(
+    effects: Sequence[Effect], model: FlexibleJointModel, motion: SmoothedMotion, j: int
+) -> dict[str, Array]:
     """Torques of a joint that are no friction, by side (samples,): on its link, and of effects on several axes."""
     found = {side: np.zeros(len(motion.t)) for side in ("motor", "link")}
     for effect in effects:
@@ -171,7 +177,7 @@ class Terms:
 def joint_terms(model: FlexibleJointModel, effects: Sequence[Effect], motion: SmoothedMotion, j: int) -> Terms:
     """The torques on a joint's rotor and link along a motion."""
     acting = [each for each in of_joint(effects, model.joint_names[j]) if not spreads(each, model)]
-    given = _given(effects, model, motion, j)
+    given = _not_friction(effects, model, motion, j)
     motor = applied_torque(acting, motion, j) + given["motor"]
     link = given["link"] - friction_torque(acting, model, motion, j, "link", np.zeros(len(motion.t)))
     carried = motion.inverse_dynamics[:, j] - link

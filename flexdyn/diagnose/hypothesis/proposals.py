@@ -46,7 +46,7 @@ def proposals(equations: Equations) -> list[Proposal]:
         found += _sensors(equations, j, extent, sensors)
     tip = {"frame": true.robot.tip}
     found += [declared(k, tip, extent) for k in kinds if _has(k, "frame")]
-    found += _late(equations, lags)
+    found += _lags(equations, lags)
     return [each for each in found if each.grid and _may_be(equations, each)]
 
 
@@ -95,7 +95,7 @@ def _sensors(
                     yield declared(kind, {"channel": channel}, seen)
 
 
-def _late(equations: Equations, kinds: Sequence[type[SensorEffect]]) -> Iterator[Proposal]:
+def _lags(equations: Equations, kinds: Sequence[type[SensorEffect]]) -> Iterator[Proposal]:
     """Lags of the encoders, and of the recorded torque.
 
     A lag is no small change where a spring is stiff, so it is on a grid.
