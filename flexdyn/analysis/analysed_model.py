@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.effects import CommandDelay, Effect, JointCoupling, JointEffect
+from flexdyn.effects import CouplingEffect, Effect, JointEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.plant import check_model
 
@@ -23,7 +23,11 @@ def checked_model(model: Any) -> FlexibleJointModel:
         InputError: the argument is no model.
     """
     check_model(model)
-    return _at_once(without(model.resolved(), lambda effect: isinstance(effect, CommandDelay)))
+    return _at_once(without(model.resolved(), _delays))
+
+
+def _delays(effect: Effect) -> bool:
+    return effect.stage == "actuator" and bool(effect.late_by)
 
 
 def _at_once(model: FlexibleJointModel) -> FlexibleJointModel:
@@ -32,7 +36,8 @@ def _at_once(model: FlexibleJointModel) -> FlexibleJointModel:
     for name, joint in model.joints.items():
         if joint.actuator is not None and joint.actuator.dc_motor.inductance > 0.0:
             joints[name] = {"actuator": joint.actuator.changed(inductance=0.0)}
-    effects = [each.replace(level=0.0) if isinstance(each, JointCoupling) else each for each in model.effects]
+    parts = (part for each in model.effects for part in each.parts())
+    effects = [part for part in parts if not (isinstance(part, CouplingEffect) and part.stage == "dry")]
     if not joints and effects == list(model.effects):
         return model
     return model.replace(joints=joints, effects=effects)
@@ -42,8 +47,8 @@ def command_delays(model: FlexibleJointModel) -> Array:
     """Dead time between the commanded torque and the motor's (n,) [s]."""
     delays = np.zeros(model.n)
     for effect in model.resolved().effects:
-        if isinstance(effect, CommandDelay):
-            delays[model.index(effect.joint)] += effect.delay
+        if isinstance(effect, JointEffect) and _delays(effect):
+            delays[model.index(effect.joint)] += effect.lateness
     return delays
 
 

@@ -130,7 +130,7 @@ def check_rotors(model: FlexibleJointModel, rotors: str) -> None:
 
 def resting_statics(model: FlexibleJointModel) -> Statics:
     """Statics of the model without dry friction and torque limits."""
-    return Statics(without(model, lambda effect: effect.stage == "dry" or effect.name == "torque_speed_limit"))
+    return Statics(without(model, lambda effect: effect.stage == "dry" or effect.cuts_torque))
 
 
 def modes_at(statics: Statics, q: Array, rotors: Rotors) -> Modes:

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from flexdyn.arrays import Array
-from flexdyn.effects import CoulombFriction, TorqueOffset, ViscousFriction
+from flexdyn.effects import JointEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.given import as_recording
@@ -137,10 +137,8 @@ def _joints(model: FlexibleJointModel) -> list[Array]:
     numbers = np.zeros((model.n, 4))
     numbers[:, 0] = model.rotor_inertia
     for effect in model.all_effects:
-        if isinstance(effect, ViscousFriction):
-            numbers[model.index(effect.joint), 1] += effect.coefficient
-        elif isinstance(effect, CoulombFriction):
-            numbers[model.index(effect.joint), 2] += effect.level
-        elif isinstance(effect, TorqueOffset):
-            numbers[model.index(effect.joint), 3] -= effect.offset
+        if isinstance(effect, JointEffect) and effect.regressed:
+            value = getattr(effect, effect.linear[0])
+            on_the_left = -value if effect.stage == "actuator" else value
+            numbers[model.index(effect.joint), 1 + FRICTION.index(effect.regressed)] += on_the_left
     return list(numbers)

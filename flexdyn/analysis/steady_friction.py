@@ -18,6 +18,7 @@ from flexdyn.analysis.steady_curve import (
 )
 from flexdyn.analysis.steady_points import SteadyPoint
 from flexdyn.arrays import Array
+from flexdyn.effects import effect_from_dict
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked
 
@@ -101,10 +102,10 @@ class SteadyFriction:
         u = abs(speed)
         total = self.level[0] + self.viscous[0] * u
         for each in self.trials:
-            if each.named and each.effect == "stribeck_friction":
-                total += each.numbers["excess"][0] * math.exp(-u / each.numbers["velocity"][0])
-            elif each.named:
-                total += each.numbers["coefficient"][0] * u * u
+            if each.named:
+                numbers = {name: value for name, (value, _) in each.numbers.items()}
+                law = effect_from_dict({"effect": each.effect, "joint": "any", "side": "motor", **numbers})
+                total += float(law.torque(0.0, u))
         return self.direction * total
 
 
@@ -187,7 +188,7 @@ def _trial(
         why = f"{' and '.join(each for each in rival if each not in others)} explains the runs as well or better"
     elif min(one, two) < 0.0 or one + two < DECISIVE_DROP:
         why = "other speeds do not confirm it"
-    elif law == "stribeck_friction" and not _within(numbers["velocity"][0], points.u):
+    elif "velocity" in numbers and not _within(numbers["velocity"][0], points.u):
         why = "its velocity is outside the recorded speeds"
     elif checked < -PREDICTION_RISE:
         why = "runs that were not used in the fit contradict it"

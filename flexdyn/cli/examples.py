@@ -40,15 +40,20 @@ class ExampleCase:
 
 
 EXAMPLES: Mapping[str, ExampleCase] = {
-    "coulomb_friction": ExampleCase("dry friction in a motor", CoulombFriction("shoulder", side="motor", level=0.8)),
-    "stribeck_friction": ExampleCase(
-        "friction that falls as a motor speeds up", StribeckFriction("elbow", side="motor", excess=0.6, velocity=0.05)
-    ),
-    "viscous_friction": ExampleCase(
-        "friction that grows with a motor's speed", ViscousFriction("elbow", side="motor", coefficient=1.2)
-    ),
-    "backlash": ExampleCase("backlash in a gear", Backlash("elbow", half_gap=2e-3)),
+    case.hidden.name: case
+    for case in (
+        ExampleCase("dry friction in a motor", CoulombFriction("shoulder", side="motor", level=0.8)),
+        ExampleCase(
+            "friction that falls as a motor speeds up",
+            StribeckFriction("elbow", side="motor", excess=0.6, velocity=0.05),
+        ),
+        ExampleCase(
+            "friction that grows with a motor's speed", ViscousFriction("elbow", side="motor", coefficient=1.2)
+        ),
+        ExampleCase("backlash in a gear", Backlash("elbow", half_gap=2e-3)),
+    )
 }
+"""By the name of the effect."""
 
 
 def model_of_the_examples() -> FlexibleJointModel:

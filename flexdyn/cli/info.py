@@ -15,7 +15,7 @@ from flexdyn.cli.motors import motors
 from flexdyn.cli.options import JsonOption, by_joint, flag, model_argument, naming, option, output_file, output_option
 from flexdyn.cli.output import number, show, show_json, table
 from flexdyn.cli.target import Target, find
-from flexdyn.effects import Effect, JointEffect, Payload
+from flexdyn.effects import Effect, InertiaEffect, JointEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.resolved_parameters import units_of
@@ -114,7 +114,7 @@ def describe(found: Target, q: Mapping[str, float]) -> dict[str, Any]:
         "gravity": model.gravity,
         "tip": _tip(model),
         "moving_mass": float(sum(inertia.mass for inertia in robot.pin_model.inertias[1:])),
-        "payload": float(sum(effect.mass for effect in model.effects if isinstance(effect, Payload))),
+        "payload": float(sum(effect.point_mass[1] for effect in model.effects if isinstance(effect, InertiaEffect))),
         "tolerance": model.tolerance,
         "joints": [_joint(model, j, at[name], float(M[j, j])) for j, name in enumerate(model.joint_names)],
         "mass_matrix": M,

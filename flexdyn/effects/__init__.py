@@ -11,7 +11,7 @@ from flexdyn.effects.actuator import (
 from flexdyn.effects.base import Effect, registered
 from flexdyn.effects.catalogue import catalogue, effect_from_dict
 from flexdyn.effects.channels import measure, recovered
-from flexdyn.effects.coupling import JointCoupling
+from flexdyn.effects.coupling import CouplingEffect, JointCoupling
 from flexdyn.effects.friction import (
     AsymmetricFriction,
     AsymmetricViscousFriction,
@@ -23,7 +23,7 @@ from flexdyn.effects.friction import (
 from flexdyn.effects.friction_of_load import DirectionalGearLoss, LoadDependentFriction, StribeckGearLoss
 from flexdyn.effects.friction_of_state import PositionDependentFriction, PreslidingFriction, WarmUpFriction
 from flexdyn.effects.joint_effect import JointEffect
-from flexdyn.effects.link import EndStop, ParallelSpring, Payload, PositionTorque
+from flexdyn.effects.link import EndStop, InertiaEffect, ParallelSpring, Payload, PositionTorque
 from flexdyn.effects.memory import MemoryEffect
 from flexdyn.effects.model_error import ParameterError
 from flexdyn.effects.parameters import parameter, unit_for
@@ -51,12 +51,14 @@ __all__ = [
     "ChannelLag",
     "CommandDelay",
     "CoulombFriction",
+    "CouplingEffect",
     "DeflectionEffect",
     "DirectionalGearLoss",
     "Effect",
     "EncoderEccentricity",
     "EndStop",
     "HardeningSpring",
+    "InertiaEffect",
     "JointCoupling",
     "JointEffect",
     "JointElasticity",

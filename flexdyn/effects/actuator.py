@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from flexdyn.effects.extent import SLOW_HARMONICS, MotionExtent
+from flexdyn.effects.extent import DELAYS, SLOW_HARMONICS, MotionExtent
 from flexdyn.effects.joint_effect import JointEffect
 from flexdyn.effects.parameters import parameter, spaced
 from flexdyn.effects.waves import WaveEffect
@@ -32,6 +32,7 @@ class TorqueOffset(ActuatorEffect):
     order = 2
     linear = ("offset",)
     is_constant = True
+    regressed = "offset"
 
     offset: float = parameter("N m")
 
@@ -50,6 +51,7 @@ class TorqueConstantError(ActuatorEffect):
     shown = {"gain": 0.2}
     order = 1
     linear = ("gain",)
+    scales_torque = "gain"
     natural_size = 0.15
 
     gain: float = parameter("1")
@@ -101,13 +103,14 @@ class TorqueSpeedLimit(ActuatorEffect):
     neutral = {"stall_torque": math.inf}
     shown = {"stall_torque": 1.0, "no_load_speed": 3.0}
     order = 5
+    cuts_torque = True
     grids = {  # of the applied torque: a controller may command many times the limit
         "stall_torque": ("given", (0.45, 0.6, 0.75, 0.9, 1.2, 1.6, 2.2, 3.0)),
         "no_load_speed": ("speed", (1.1, 1.5, 2.0, 3.0, 10.0)),
     }
     of_recorded_torque = True
 
-    stall_torque: float = parameter("N m", lower=0.0)
+    stall_torque: float = parameter("N m", lower=0.0, by_factor=True)
     no_load_speed: float = parameter("rad/s", lower=0.0, strict=True)
 
 
@@ -152,7 +155,7 @@ class CommandDelay(ActuatorEffect):
     no_torque = "it shifts the command in time"
     shown = {"delay": 0.005}
     order = -1
-    grids = {"delay": ("one", (0.0005, 0.001, 0.002, 0.004, 0.008))}
+    grids = {"delay": ("one", DELAYS)}
     prevalence = "often"
     late_by = "delay"
 

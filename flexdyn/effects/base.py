@@ -24,6 +24,7 @@ from flexdyn.checks import Array, check_known
 from flexdyn.effects.extent import MotionExtent
 from flexdyn.effects.law_table import LAWS
 from flexdyn.effects.parameters import USUAL_SIZES, checked_number, parameter
+from flexdyn.effects.traits import Traits
 from flexdyn.errors import InputError
 
 Side = Literal["link", "motor", "transmission", "sensor"]
@@ -35,7 +36,7 @@ _registry: dict[str, type[Effect]] = {}
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(parameter, dataclasses.field))
-class Effect:
+class Effect(Traits):
     """Base of all effects; every subclass becomes a frozen dataclass automatically.
 
     Class attributes:
@@ -79,8 +80,8 @@ class Effect:
         position_error: of an effect on positions, the parameter that is its size [rad or m].
         damps_spring: of a damping across the spring of a joint, the parameter that is its coefficient.
         bends_spring: with it, the transmission is no linear spring.
-        makes_elastic: a joint that the model takes for rigid becomes elastic.
-        is_constant: a torque that neither the motion nor the command changes; a force sensor may have it too.
+        makes_elastic: where a joint that the model takes for rigid becomes elastic, the parameter with its stiffness.
+        is_constant: neither the motion nor the command changes what it adds; a force sensor may have such a torque too.
         small_size: size of what it is linear in at which a diagnosis computes what it does; `small` may depend on more.
         unproposed: parameters that keep their default where a diagnosis proposes the effect.
         late_by: the parameter by which it shifts a signal in time [s]; empty: it shifts none.
@@ -119,7 +120,7 @@ class Effect:
     position_error: ClassVar[str] = ""
     damps_spring: ClassVar[str] = ""
     bends_spring: ClassVar[bool] = False
-    makes_elastic: ClassVar[bool] = False
+    makes_elastic: ClassVar[str] = ""
     is_constant: ClassVar[bool] = False
 
     def __init_subclass__(cls, abstract: bool = False) -> None:
@@ -184,7 +185,7 @@ class Effect:
     @property
     def in_numbers(self) -> bool:
         """Whether a resolved model has it in its numbers and no more as an effect."""
-        return self.stage == "model" or self.makes_elastic
+        return self.stage == "model" or bool(self.makes_elastic)
 
     @property
     def is_python(self) -> bool:

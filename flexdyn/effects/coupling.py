@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,16 +15,42 @@ from flexdyn.effects.parameters import parameter
 from flexdyn.errors import InputError
 
 
-class CouplingPart(JointEffect, abstract=True):
-    """One law of a `JointCoupling`, as the plant has it."""
+class CouplingEffect(JointEffect, abstract=True):
+    """An effect between the motors of two joints; its torque is of the velocity of the second one's rotor.
+
+    Example:
+        >>> drag = fd.effects.JointCoupling("wrist_roll", other="wrist_pitch", coefficient=0.5)
+        >>> drag.partner, drag.rubbing_ratio
+        ('wrist_pitch', None)
+    """
 
     sides = ("motor",)
 
-    other: str = dataclasses.field(kw_only=True)
+    @property
+    def partner(self) -> str:
+        """Name of the second joint."""
+        raise NotImplementedError
+
+    @property
+    def rubbing_ratio(self) -> float | None:
+        """Velocity of the first rotor over that of the second one at which parts that rub between both do not slide.
+
+        None: no parts rub between them.
+        """
+        return None
+
+    def on_rotors(self, omega: Array, omega_other: Array) -> tuple[Array, Array]:
+        """Torques on both rotors, on the right side of their equations (samples,) [N m].
+
+        Args:
+            omega: of the first rotor (samples,) [rad/s].
+            omega_other: of the second one (samples,) [rad/s].
+        """
+        return -self.torque(0.0, omega_other), np.zeros_like(omega)
 
 
-class CouplingDrag(CouplingPart, abstract=True):
-    """The drag.
+class CouplingDrag(CouplingEffect, abstract=True):
+    """The drag of a `JointCoupling`, as the plant has it.
 
     Args:
         joint: its name.
@@ -36,10 +63,16 @@ class CouplingDrag(CouplingPart, abstract=True):
     neutral = {"coefficient": 0.0}
 
     coefficient: float = parameter("N m s/rad")
+    other: str = dataclasses.field(kw_only=True)
+
+    @property
+    def partner(self) -> str:
+        """See the base class."""
+        return self.other
 
 
-class CouplingFriction(CouplingPart, abstract=True):
-    """The dry friction.
+class CouplingFriction(CouplingEffect, abstract=True):
+    """The dry friction of a `JointCoupling`, as the plant has it.
 
     Args:
         joint: its name.
@@ -49,14 +82,21 @@ class CouplingFriction(CouplingPart, abstract=True):
     """
 
     name = "dry_coupling"
+    part_of = "joint_coupling"
     law = "level*Sgn(omega - ratio*omega of joint other)"
     neutral = {"level": 0.0}
 
     level: float = parameter("N m", lower=0.0)
     ratio: float = parameter("1")
+    other: str = dataclasses.field(kw_only=True)
+
+    @property
+    def partner(self) -> str:
+        """See the base class."""
+        return self.other
 
 
-class JointCoupling(JointEffect):
+class JointCoupling(CouplingEffect):
     """The rotor of one joint drags on that of another: differential wrists, belts over a common shaft.
 
     ``f_motor = coefficient omega`` of joint `other`, on the left side of the rotor's equation of `joint`. This part is
@@ -72,16 +112,16 @@ class JointCoupling(JointEffect):
         ratio: velocity of the rotor of `joint` over that of `other` without dry friction [1]; of either sign.
     """
 
-    sides = ("motor",)
     law = "coefficient*omega of joint other + level*Sgn(omega - ratio*omega of joint other)"
     neutral = {"coefficient": 0.0, "level": 0.0}
     shown = {"coefficient": 0.5}
     linear = ("coefficient",)
     unproposed = ("level", "ratio")  # dry friction between motors is no candidate
+    exact = ("ratio",)  # of teeth and pulleys
     prevalence = "often"
 
     coefficient: float = parameter("N m s/rad", default=0.0)
-    level: float = parameter("N m", lower=0.0, default=0.0)
+    level: float = parameter("N m", lower=0.0, by_factor=True, default=0.0)
     ratio: float = parameter("1", default=1.0)
     other: str = dataclasses.field(kw_only=True)
 
@@ -103,27 +143,40 @@ class JointCoupling(JointEffect):
         """Its laws in the plant: the drag, the dry friction, or both."""
         return tuple(part for part in self._drag_and_friction() if not part.is_neutral)
 
-    def torques(self, omega: Array, omega_other: Array) -> tuple[Array, Array]:
-        """Its torques on the rotors of `joint` and of `other`, on the left side of their equations [N m].
+    @property
+    def partner(self) -> str:
+        """See the base class."""
+        return self.other
 
-        Args:
-            omega: velocity of the rotor of `joint` [rad/s].
-            omega_other: the same of `other`.
-        """
+    @property
+    def rubbing_ratio(self) -> float | None:
+        """See the base class."""
+        return self.ratio if self.level > 0.0 else None
+
+    def on_rotors(self, omega: Array, omega_other: Array) -> tuple[Array, Array]:
+        """See the base class."""
         drag, dry = self._drag_and_friction()
         rubbing = dry.torque(0.0, omega - self.ratio * omega_other)
-        return drag.torque(0.0, omega_other) + rubbing, -self.ratio * rubbing
+        return -rubbing - drag.torque(0.0, omega_other), self.ratio * rubbing
 
-    def matches(self, second: JointCoupling) -> bool:
-        """Whether the dry friction of both is of one relative velocity, so that the levels add up."""
-        return (self.joint, self.other, self.ratio) == (second.joint, second.other, second.ratio)
+    def check_beside(self, others: Sequence[Effect]) -> None:
+        """Dry coupling is to one other motor only: torques in a chain of motors that stick are not determined."""
+        for first in others if self.level > 0.0 else ():
+            if not isinstance(first, CouplingEffect) or first.rubbing_ratio is None:
+                continue
+            shared = {first.joint, first.partner} & {self.joint, self.partner}
+            alike = (first.joint, first.partner, first.rubbing_ratio) == (self.joint, self.partner, self.rubbing_ratio)
+            if shared and not alike:
+                problem = f"{shared.pop()} has a dry coupling already"
+                remedy = "a joint may have one with dry friction, or several with the same joint, other and ratio"
+                raise InputError(problem, key="level", value=self.level, remedy=remedy)
 
     @classmethod
     def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
         return super()._example_place(joint, other) | {"other": other}
 
     def _evaluate(self, t: Array, x: Array, u: Array, tau: Array, z: Array | None = None) -> Array:
-        return self.torques(np.zeros_like(u), u)[0]  # u is the other's velocity, with this one at rest
+        return -self.on_rotors(np.zeros_like(u), u)[0]  # u is the other's velocity, with this one at rest
 
     def _drag_and_friction(self) -> tuple[CouplingDrag, CouplingFriction]:
         drag = CouplingDrag(self.joint, side=self.side, other=self.other, coefficient=self.coefficient)

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 SLOW_HARMONICS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
 """Cycles per turn of the joint that are tried [1]."""
 
+DELAYS = (0.0005, 0.001, 0.002, 0.004, 0.008)
+"""Delays of commands and channels that are tried [s]: from a sample of a fast drive to that of a slow bus."""
+
 
 @dataclass(frozen=True)
 class MotionExtent:

@@ -27,6 +27,7 @@ class ViscousFriction(Friction):
     law = "coefficient*u"
     shown = {"coefficient": 0.5}
     linear = ("coefficient",)
+    regressed = "viscous"
     prevalence = "everywhere"
 
     coefficient: float = parameter("N m s/rad", lower=0.0)
@@ -44,12 +45,14 @@ class CoulombFriction(Friction):
         level: [N m].
     """
 
+    words = "Coulomb friction"
     law = "level*Sgn(u)"
     shown = {"level": 1.0}
     linear = ("level",)
+    regressed = "coulomb"
     prevalence = "everywhere"
 
-    level: float = parameter("N m", lower=0.0)
+    level: float = parameter("N m", lower=0.0, by_factor=True)
 
 
 class AsymmetricFriction(Friction):
@@ -91,6 +94,7 @@ class StribeckFriction(Friction):
         exponent: 1 in the paper, 2 in much of the literature [1].
     """
 
+    words = "Stribeck friction"
     law = "excess*exp(-(abs(u)/velocity)^exponent)*Sgn(u)"
     shown = {"excess": 0.5, "velocity": 0.1}
     linear = ("excess",)
@@ -99,7 +103,7 @@ class StribeckFriction(Friction):
 
     excess: float = parameter("N m", lower=0.0)
     velocity: float = parameter("rad/s", lower=0.0, strict=True)
-    exponent: float = parameter("1", lower=0.0, strict=True, default=1.0)
+    exponent: float = parameter("1", lower=0.0, strict=True, default=1.0, chosen=True)
 
 
 class AsymmetricViscousFriction(Friction):

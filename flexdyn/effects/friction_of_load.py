@@ -95,6 +95,7 @@ class StribeckGearLoss(GearLoss):
         velocity: at which 1/e of it is left [rad/s].
     """
 
+    words = "Stribeck gear loss"
     law = "(driving if tau_s*u > 0 else driven)*exp(-abs(u)/velocity)*abs(tau_s)*Sgn(u)"
     neutral = {"driving": 0.0, "driven": 0.0}
     shown = {"driving": 0.3, "driven": 0.2, "velocity": 0.3}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import Self
 
 import numpy as np
 
@@ -73,7 +74,7 @@ class PreslidingFriction(MemoryEffect):
     contains = ("coulomb_friction",)
     plainer = ("coulomb_friction",)
 
-    level: float = parameter("N m", lower=0.0)
+    level: float = parameter("N m", lower=0.0, by_factor=True)
     stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
     damping: float = parameter("N m s/rad", lower=0.0, default=0.0)
 
@@ -111,6 +112,7 @@ class WarmUpFriction(JointEffect):
 
     sides = ("link", "motor")
     law = "coefficient*exp(-t/time_constant)*u"
+    timed = True
     shown = {"coefficient": 1.0, "time_constant": 300.0}
     linear = ("coefficient",)
     grids = {"time_constant": ("seconds", spaced(0.04, 1.5, 7))}
@@ -119,3 +121,7 @@ class WarmUpFriction(JointEffect):
 
     coefficient: float = parameter("N m s/rad", lower=0.0)
     time_constant: float = parameter("s", lower=0.0, strict=True)
+
+    def later(self, begin: float) -> Self:
+        """The gear has warmed up for that time."""
+        return self.replace(coefficient=self.coefficient * math.exp(-begin / self.time_constant))

@@ -32,5 +32,10 @@ class JointEffect(Effect, abstract=True):
         object.__setattr__(self, "side", side)
 
     @classmethod
+    def uncertain(cls) -> tuple[str, ...]:
+        """See the base class."""
+        return () if cls.makes_elastic else tuple(f.name for f in cls.parameters() if f.name not in cls.exact)
+
+    @classmethod
     def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
         return {"joint": joint, "side": cls.sides[0]}

@@ -14,7 +14,24 @@ from flexdyn.effects.parameters import parameter
 from flexdyn.errors import InputError
 
 
-class Payload(Effect):
+class InertiaEffect(Effect, abstract=True):
+    """A mass that moves with a link: it changes M(q) and h(q, v).
+
+    Example:
+        >>> fd.effects.Payload(mass=0.2, frame="link_2").point_mass
+        ('link_2', 0.2)
+    """
+
+    stage = "inertia"
+    no_torque = "it changes M(q) and h(q, v)"
+
+    @property
+    def point_mass(self) -> tuple[str | None, float]:
+        """Frame at whose origin the mass is, None for the last one of the chain, and the mass [kg]."""
+        raise NotImplementedError
+
+
+class Payload(InertiaEffect):
     """A point mass that the arm carries.
 
     It enters M(q) and h(q, v) like any mass: ``M += mass J^T J`` with the frame's translational Jacobian J, and its
@@ -25,9 +42,7 @@ class Payload(Effect):
         frame: the mass is at the origin of this frame; default: the last frame of the chain.
     """
 
-    stage = "inertia"
     law = "a point mass at the origin of frame"
-    no_torque = "it changes M(q) and h(q, v)"
     shown = {"mass": 1.0}
 
     linear = ("mass",)
@@ -35,6 +50,11 @@ class Payload(Effect):
 
     mass: float = parameter("kg", lower=0.0)
     frame: str | None = None
+
+    @property
+    def point_mass(self) -> tuple[str | None, float]:
+        """See the base class."""
+        return self.frame, self.mass
 
 
 class LinkEffect(JointEffect, abstract=True):
@@ -54,13 +74,14 @@ class ParallelSpring(LinkEffect):
         rest: position at which its torque is zero [rad].
     """
 
+    conservative = True
     law = "-stiffness*(q - rest)"
     shown = {"stiffness": 20.0, "rest": 0.3}
 
     linear = ("stiffness",)
     axes = ("rest",)
 
-    stiffness: float = parameter("N m/rad", lower=0.0)
+    stiffness: float = parameter("N m/rad", lower=0.0, by_factor=True)
     rest: float = parameter("rad")
 
     @classmethod
@@ -84,6 +105,7 @@ class PositionTorque(LinkEffect):
         sin_2: [N m].
     """
 
+    conservative = True
     law = "-(cos_1*cos(q) + sin_1*sin(q) + cos_2*cos(2*q) + sin_2*sin(2*q))"
     shown = {"cos_1": 1.0, "sin_1": 0.0, "cos_2": 0.0, "sin_2": 0.3}
 
@@ -122,7 +144,7 @@ class EndStop(LinkEffect):
 
     lower: float = parameter("rad", infinite=True)
     upper: float = parameter("rad", infinite=True)
-    stiffness: float = parameter("N m/rad", lower=0.0)
+    stiffness: float = parameter("N m/rad", lower=0.0, by_factor=True)
     damping: float = parameter("N m s/rad", lower=0.0)
 
     def __post_init__(self) -> None:

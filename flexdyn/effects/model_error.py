@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from typing import Any
+from typing import Any, TypeGuard
 
 from flexdyn.effects import parameters
 from flexdyn.effects.base import Effect
@@ -47,6 +47,11 @@ class ParameterError(Effect):
     @classmethod
     def _example_place(cls, joint: str, other: str) -> dict[str, Any]:
         return {"of": joint, "parameter": "rotor_inertia"}
+
+
+def is_number_error(effect: Effect) -> TypeGuard[ParameterError]:
+    """Whether an effect says that a number of the model is wrong."""
+    return effect.stage == "model"
 
 
 def effect_place(of: str) -> int | None:

@@ -35,7 +35,22 @@ class SupplyLimit(MotorLaw, abstract=True):
     limit: float = parameter("N m", lower=0.0, strict=True)
 
 
-class MotorTorque(MotorLaw, abstract=True):
+class DCMotorLaw(MotorLaw, abstract=True):
+    """The torque of a DC motor under voltage, of which the back-EMF takes a part.
+
+    Args:
+        joint: its name.
+        gain: torque at standstill over the torque that the model file's numbers give for the voltage [1].
+        back_emf: [N m s/rad].
+        limit: at the largest current [N m]; infinite: no limit.
+    """
+
+    gain: float = parameter("1")
+    back_emf: float = parameter("N m s/rad", lower=0.0)
+    limit: float = parameter("N m", lower=0.0, strict=True, infinite=True)
+
+
+class MotorTorque(DCMotorLaw, abstract=True):
     """The torque of a DC motor: the back-EMF reduces it with speed, and the current limit bounds it.
 
     ``tau_applied = clip(gain tau - back_emf omega, -limit, limit)``, ``back_emf = kt^2/R``, ``limit = kt i_max``.
@@ -50,12 +65,8 @@ class MotorTorque(MotorLaw, abstract=True):
     name = "dc_motor"
     law = "clip(gain*tau - back_emf*omega, -limit, limit)"
 
-    gain: float = parameter("1")
-    back_emf: float = parameter("N m s/rad", lower=0.0)
-    limit: float = parameter("N m", lower=0.0, strict=True, infinite=True)
 
-
-class MotorWinding(MotorLaw, abstract=True):
+class MotorWinding(DCMotorLaw, abstract=True):
     """The torque of a DC motor whose current takes time: ``L i' = V - R i - kt omega``.
 
     In torque, ``tau = k i``: ``time_constant tau' = gain tau_asked - back_emf omega - tau``. The driver holds the
@@ -71,8 +82,7 @@ class MotorWinding(MotorLaw, abstract=True):
 
     name = "dc_winding"
     law = "time_constant*tau_applied' = gain*tau - back_emf*omega - tau_applied, abs(tau_applied) <= limit"
+    has_state = True
 
-    gain: float = parameter("1")
     back_emf: float = parameter("N m s/rad", lower=0.0, strict=True)
-    limit: float = parameter("N m", lower=0.0, strict=True, infinite=True)
     time_constant: float = parameter("s", lower=0.0, strict=True)

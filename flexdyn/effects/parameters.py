@@ -21,6 +21,8 @@ def parameter(
     lower: float = -math.inf,
     strict: bool = False,
     infinite: bool = False,
+    chosen: bool = False,
+    by_factor: bool = False,
     default: Any = dataclasses.MISSING,
 ) -> Any:
     """A parameter of an effect.
@@ -30,6 +32,9 @@ def parameter(
         lower: lower bound.
         strict: whether the value must be above `lower`, not equal to it.
         infinite: whether the value may be infinite; a neutral value always may.
+        chosen: whether a diagnosis chooses it from a few values and does not estimate it.
+        by_factor: whether a fit changes it by a limited factor in each step, because the law is another one at 0; of a
+            `strict` parameter it always does.
         default: value if none is given; without a default a value is required.
 
     Example:
@@ -42,6 +47,7 @@ def parameter(
         np.float64(-2.0)
     """
     metadata = {"unit": unit, "lower": lower, "strict": strict, "infinite": infinite}
+    metadata |= {"chosen": chosen, "by_factor": by_factor or strict}
     return dataclasses.field(default=default, metadata=metadata)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from flexdyn.arrays import Array
 from flexdyn.effects.base import Effect, Side, Stage
-from flexdyn.effects.extent import MotionExtent
+from flexdyn.effects.extent import DELAYS, MotionExtent
 from flexdyn.effects.parameters import parameter
 from flexdyn.effects.waves import WaveEffect
 from flexdyn.errors import InputError
@@ -101,6 +101,7 @@ class ChannelLag(SensorEffect):
     law = "x(t - delay)"
     neutral = {"delay": 0.0}
     shown = {"delay": 0.005}
+    grids = {"delay": ("one", DELAYS)}
     prevalence = "often"
     late_by = "delay"
 
@@ -133,7 +134,7 @@ class EncoderEccentricity(WaveEffect, SensorEffect):
     natural_size = 0.01
     signals = POSITIONS
 
-    harmonic: float = parameter("1", default=1.0)
+    harmonic: float = parameter("1", default=1.0, chosen=True)
 
     @classmethod
     def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
@@ -159,6 +160,7 @@ class SensorOffset(SensorEffect):
     shown = {"offset": 0.01}
     natural_size = 0.01
     linear = ("offset",)
+    is_constant = True
     position_error = "offset"
 
     offset: float = parameter("unit of the channel")

@@ -44,7 +44,7 @@ class JointElasticity(TransmissionEffect):
     shown = {"stiffness": 5000.0}
     linear_bounds = (0.0,)
     prevalence = "often"
-    makes_elastic = True
+    makes_elastic = "stiffness"
 
     stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
 
@@ -88,6 +88,7 @@ class HardeningSpring(TransmissionEffect):
     """
 
     bends_spring = True
+    conservative = True
     law = "cubic*delta^3"
     shown = {"cubic": 2.0e8}
     linear = ("cubic",)
@@ -128,6 +129,11 @@ class DeflectionEffect(TransmissionEffect, abstract=True):
         _core.deflection_slope(self.name, self.values, at, out)
         return out
 
+    @property
+    def gap(self) -> float:
+        """Deflection, from the middle of a dead zone, up to which the springs see none [rad or m]."""
+        return 0.0
+
 
 class Backlash(DeflectionEffect):
     """A gap between rotor and link: within the gap the transmission carries no spring torque.
@@ -146,12 +152,17 @@ class Backlash(DeflectionEffect):
     axes = ("half_gap",)
     bends_spring = True
 
-    half_gap: float = parameter("rad", lower=0.0)
+    half_gap: float = parameter("rad", lower=0.0, by_factor=True)
 
     @classmethod
     def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
         """See the base class."""
         return ((gap,) for gap in extent.half_gaps)
+
+    @property
+    def gap(self) -> float:
+        """See the base class."""
+        return self.half_gap
 
 
 class SpringHysteresis(MemoryEffect):
@@ -174,7 +185,7 @@ class SpringHysteresis(MemoryEffect):
     linear = ("stiffness",)
     grids = {"width": ("deflection", spaced(0.003, 3.0, 9))}
 
-    stiffness: float = parameter("N m/rad", lower=0.0)
+    stiffness: float = parameter("N m/rad", lower=0.0, by_factor=True)
     width: float = parameter("rad", lower=0.0, strict=True)
 
     @property

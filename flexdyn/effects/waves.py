@@ -25,7 +25,7 @@ class WaveEffect(Effect, abstract=True):
     small_size: ClassVar[float] = POSITION_STEP
 
     amplitude: float = parameter("rad")
-    harmonic: float = parameter("1")
+    harmonic: float = parameter("1", chosen=True)
     phase: float = parameter("rad")
 
     def in_usual_range(self) -> Self:

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from flexdyn.arrays import Array, Flags, Indices
-from flexdyn.effects import Effect, JointElasticity, ParameterError
+from flexdyn.effects import Effect
 from flexdyn.effects.motor import MotorLaw
 from flexdyn.errors import InputError, visible
 from flexdyn.io.locked import lock, plain
 from flexdyn.io.notebook import Public
 from flexdyn.model.given_number import GivenNumber, link_inertias, links_entry, refusal, robot_with_links, unknown_links
 from flexdyn.model.joint import Joint, resolve_joints
-from flexdyn.model.resolved_parameters import folded
+from flexdyn.model.resolved_parameters import elasticities, folded
 from flexdyn.model.setting_checks import (
     command_checked,
     fitted,
@@ -166,10 +166,9 @@ class FlexibleJointModel(Public):
     def stiffness(self) -> Array:
         """K of every joint (n,) [N m/rad or N/m], infinite where rigid; the effect joint_elasticity is included."""
         stiffness = self._numbers("stiffness")
-        for effect in self.effects:
-            if isinstance(effect, JointElasticity) and not effect.is_neutral:
-                j = self.index(effect.joint)
-                stiffness[j] = effect.stiffness + (stiffness[j] if np.isfinite(stiffness[j]) else 0.0)
+        for joint, more in elasticities(self.effects):
+            j = self.index(joint)
+            stiffness[j] = more + (stiffness[j] if np.isfinite(stiffness[j]) else 0.0)
         return lock(stiffness)
 
     @cached_property
@@ -279,7 +278,7 @@ class FlexibleJointModel(Public):
     def _resolved(self) -> FlexibleJointModel:
         acting = [effect for effect in self.effects if not effect.is_neutral]
         told = any(not number.is_unknown for number in self.links.values())
-        if not told and not any(isinstance(effect, ParameterError | JointElasticity) for effect in acting):
+        if not told and not any(effect.in_numbers for effect in acting):
             return self
         robot, joints, effects = folded(robot_with_links(self.robot, self.links), self.joints, self.effects)
         return FlexibleJointModel(robot, joints, effects, **self._settings() | {"links": unknown_links(self.links)})

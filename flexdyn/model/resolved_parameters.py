@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from flexdyn.checks import check_known
-from flexdyn.effects import Effect, JointElasticity, ParameterError, unit_for
-from flexdyn.effects.model_error import effect_place
+from flexdyn.effects import Effect, JointEffect, ParameterError, unit_for
+from flexdyn.effects.model_error import effect_place, is_number_error
 from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.model.given_number import UNKNOWN
 from flexdyn.model.joint import Joint
@@ -52,7 +52,7 @@ def folded(
     true = list(effects)
     of_links = factors_of(effects, OF_LINK)  # a link is changed once, as a new robot is made for it
     for i, error in enumerate(effects):
-        if not isinstance(error, ParameterError) or error.is_neutral:
+        if not is_number_error(error) or error.is_neutral:
             continue
         with placed(key=f"effects[{i}]"):
             if error.parameter in OF_LINK:
@@ -62,11 +62,17 @@ def folded(
                 _fold_effect(true, error)
             else:
                 robot = _fold_joint(robot, numbers, error)
-    for effect in true:
-        if isinstance(effect, JointElasticity) and not effect.is_neutral:
-            given = numbers[effect.joint]["stiffness"]
-            numbers[effect.joint]["stiffness"] = effect.stiffness + (given if math.isfinite(given) else 0.0)
-    return robot, numbers, [effect for effect in true if not isinstance(effect, ParameterError | JointElasticity)]
+    for name, stiffness in elasticities(true):
+        given = numbers[name]["stiffness"]
+        numbers[name]["stiffness"] = stiffness + (given if math.isfinite(given) else 0.0)
+    return robot, numbers, [effect for effect in true if not effect.in_numbers]
+
+
+def elasticities(effects: Iterable[Effect]) -> Iterator[tuple[str, float]]:
+    """Joint and stiffness [N m/rad or N/m] of every effect that makes a joint elastic."""
+    for effect in effects:
+        if isinstance(effect, JointEffect) and effect.makes_elastic and not effect.is_neutral:
+            yield effect.joint, float(getattr(effect, effect.makes_elastic))
 
 
 def factors_of(effects: Sequence[Effect], words: Mapping[str, str]) -> dict[str, dict[str, float]]:
@@ -78,7 +84,7 @@ def factors_of(effects: Sequence[Effect], words: Mapping[str, str]) -> dict[str,
     """
     found: dict[str, dict[str, float]] = {}
     for error in effects:
-        if isinstance(error, ParameterError) and error.parameter in words and not error.is_neutral:
+        if is_number_error(error) and error.parameter in words and not error.is_neutral:
             own, word = found.setdefault(error.of, {}), words[error.parameter]
             own[word] = own.get(word, 1.0) * error.factor
     return found
@@ -91,7 +97,7 @@ def _fold_effect(effects: list[Effect], error: ParameterError) -> None:
         remedy = f"they count from 0 to {len(effects) - 1}"
         raise InputError("no such effect in the model", key="of", value=error.of, remedy=remedy)
     target = effects[place]
-    if isinstance(target, ParameterError):
+    if is_number_error(target):
         raise InputError("a parameter error has none itself", key="of", value=error.of)
     _check_parameter(error, [field.name for field in target.parameters()], target.name)
     entry = {key: value for key, value in target.to_dict().items() if key != "effect"}

@@ -14,10 +14,11 @@ from flexdyn.control.commands import PD
 from flexdyn.control.points import command_of
 from flexdyn.control.samples import Samples
 from flexdyn.control.setting_checks import per_joint
-from flexdyn.effects import Effect, JointCoupling, JointEffect, JointElasticity, Payload, SensorEffect, effect_from_dict
+from flexdyn.effects import CouplingEffect, Effect, InertiaEffect, JointEffect, SensorEffect, effect_from_dict
 from flexdyn.errors import InputError, placed, retold
 from flexdyn.io.locked import frozen
 from flexdyn.model.joint import NUMBERS, Joint
+from flexdyn.model.resolved_parameters import elasticities
 from flexdyn.robot import Robot
 from flexdyn.robot.axes import joint_row
 
@@ -130,30 +131,32 @@ def fitted(robot: Robot, joints: Mapping[str, Joint], entries: Iterable[Any]) ->
     for i, entry in enumerate(entries):
         with placed(key=f"effects[{i}]"):
             effects.append(entry if isinstance(entry, Effect) else effect_from_dict(entry))
-    softened = {effect.joint for effect in effects if isinstance(effect, JointElasticity) and not effect.is_neutral}
+    softened = {joint for joint, _ in elasticities(effects)}
     for i, effect in enumerate(effects):
         with placed(key=f"effects[{i}]"):
             _check(robot, joints, softened, effect)
-    _check_pairs(effects)
+    for i, effect in enumerate(effects):
+        with placed(key=f"effects[{i}]"):
+            effect.check_beside(effects[:i])
     return tuple(effects)
 
 
 def _check(robot: Robot, joints: Mapping[str, Joint], softened: set[str], effect: Effect) -> None:
     """Refuse an effect where it cannot act."""
-    if isinstance(effect, Payload):
-        frame = robot.frame(robot.tip if effect.frame is None else effect.frame)
-        robot.tree.with_point_mass(frame, effect.mass)  # refuses one on the base
+    if isinstance(effect, InertiaEffect):
+        frame, mass = effect.point_mass
+        robot.tree.with_point_mass(robot.frame(robot.tip if frame is None else frame), mass)  # refuses one on the base
     elif isinstance(effect, SensorEffect):
         _check_channel(robot, effect)
     elif isinstance(effect, JointEffect) and joint_row(robot, effect.joint) is not None:
         _check_replaced(robot, effect)
     elif isinstance(effect, JointEffect):
         name = robot.joint_names[robot.joint_index(effect.joint)]
-        if isinstance(effect, JointCoupling):
-            with retold(key="other", value=effect.other):
-                robot.joint_index(effect.other)
-        if isinstance(effect, JointElasticity):
-            _check_softening(name, joints[name])
+        if isinstance(effect, CouplingEffect):
+            with retold(key="other", value=effect.partner):
+                robot.joint_index(effect.partner)
+        if effect.makes_elastic:
+            _check_softening(effect, joints[name])
         elif not joints[name].elastic and name not in softened and (effect.side == "transmission" or effect.takes_load):
             remedy = f"give joints.{name} a finite stiffness, or the effect joint_elasticity"
             raise InputError(f"{effect.name} needs an elastic joint", key="joint", value=name, remedy=remedy)
@@ -168,25 +171,14 @@ def _check_replaced(robot: Robot, effect: JointEffect) -> None:
     raise InputError(f"{effect.name} acts on axes", key="joint", value=effect.joint, remedy=remedy)
 
 
-def _check_softening(name: str, joint: Joint) -> None:
+def _check_softening(effect: JointEffect, joint: Joint) -> None:
+    name = effect.joint
     if joint.elastic:
         remedy = f"change joints.{name}.stiffness, or use hardening_spring"
-        raise InputError("joint_elasticity needs a rigid joint", key="joint", value=name, remedy=remedy)
+        raise InputError(f"{effect.name} needs a rigid joint", key="joint", value=name, remedy=remedy)
     if joint.rotor_inertia == 0 and not joint.given("rotor_inertia").is_unknown:
         remedy = f"give joints.{name}.rotor_inertia in kg m^2 on the motor side"
-        raise InputError("joint_elasticity needs a rotor that has inertia", key="joint", value=name, remedy=remedy)
-
-
-def _check_pairs(effects: list[Effect]) -> None:
-    """Dry coupling is to one other motor only: the torques in a chain of motors that stick are not determined."""
-    dry = [(i, each) for i, each in enumerate(effects) if isinstance(each, JointCoupling) and each.level > 0.0]
-    for k, (i, second) in enumerate(dry):
-        for _, first in dry[:k]:
-            shared = {first.joint, first.other} & {second.joint, second.other}
-            if shared and not first.matches(second):
-                problem = f"{shared.pop()} has a dry coupling already"
-                remedy = "a joint may have one with dry friction, or several with the same joint, other and ratio"
-                raise InputError(problem, key=f"effects[{i}].level", value=second.level, remedy=remedy)
+        raise InputError(f"{effect.name} needs a rotor that has inertia", key="joint", value=name, remedy=remedy)
 
 
 def _check_channel(robot: Robot, effect: SensorEffect) -> None:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from flexdyn.effects import Effect, JointCoupling, JointElasticity, ParameterError, Payload, SensorEffect, registered
+from flexdyn.effects import Effect, registered
 from flexdyn.errors import InputError, retold
 from flexdyn.model.given_number import UNKNOWN, GivenNumber, given_number
 from flexdyn.model.resolved_parameters import OF_MOTOR
@@ -14,8 +14,6 @@ from flexdyn.robot import Robot
 
 SAME_MASS = 1e-6
 """Relative difference up to which a mass is that of the URDF [1]."""
-NOT_ESTIMATED = (ParameterError, JointElasticity, Payload, SensorEffect)
-"""Effects of a file whose numbers no diagnosis changes."""
 WRITE_NUMBER = "write the number alone"
 Paths = dict[str, float]
 
@@ -112,7 +110,7 @@ def _effect(i: int, entry: Any, stated: Paths) -> Any:
 
 
 def _check_estimated(kind: type[Effect], name: str, key: str) -> None:
-    if issubclass(kind, NOT_ESTIMATED) or (issubclass(kind, JointCoupling) and name == "ratio"):
+    if name not in kind.uncertain():
         raise InputError("no diagnosis estimates this number", key=key, remedy=WRITE_NUMBER)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexdyn.effects import Effect, JointCoupling, JointElasticity, ParameterError, Payload, SensorEffect
+from flexdyn.effects import Effect, ParameterError
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.given_number import GivenNumber, robot_with_links
@@ -99,16 +99,12 @@ def _of_links(model: FlexibleJointModel) -> Iterable[FileNumber]:
 
 
 def _of_effects(model: FlexibleJointModel) -> Iterable[FileNumber]:
-    """Numbers of effects; not of springs, payloads, sensors or errors, and not the exact ratio of a coupling."""
+    """Numbers of effects that their classes declare to be uncertain."""
     for i, effect in enumerate(model.effects):
-        if isinstance(effect, ParameterError | JointElasticity | Payload | SensorEffect):
-            continue
-        for field in effect.parameters():
-            if isinstance(effect, JointCoupling) and field.name == "ratio":
-                continue  # of teeth and pulleys: exact
+        for name in effect.uncertain():
             place = f"effects[{i}]"
-            tolerance = _tolerance(model, f"{place}.{field.name}")
-            yield FileNumber(place, field.name, getattr(effect, field.name), tolerance, getattr(effect, "joint", None))
+            tolerance = _tolerance(model, f"{place}.{name}")
+            yield FileNumber(place, name, getattr(effect, name), tolerance, getattr(effect, "joint", None))
 
 
 def _relative(given: GivenNumber, otherwise: float) -> float:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.effects import ChannelLag, CommandDelay, DeflectionEffect, JointEffect, SensorEffect
+from flexdyn.effects import DeflectionEffect, JointEffect, SensorEffect
 from flexdyn.plots import page
 from flexdyn.plots.friction_curves import span, turn, varies
 
@@ -90,10 +90,10 @@ def _family(axes: Any, effect: JointEffect, across: Array, state: tuple[Any, Any
     page.legend(axes, "asked (dashed)", upside_down=True)
 
 
-def delayed_command(axes: Any, effect: CommandDelay) -> tuple[str, str]:
+def delayed_command(axes: Any, effect: JointEffect) -> tuple[str, str]:
     """The response to a step of the commanded torque."""
-    end = 4.0 * effect.delay
-    asked, given = [-0.5 * end, 0.0, end], [-0.5 * end, effect.delay, end]
+    end = 4.0 * effect.lateness
+    asked, given = [-0.5 * end, 0.0, end], [-0.5 * end, effect.lateness, end]
     axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
     axes.step(asked, [0.0, 1.0, 1.0], where="post", label=r"asked: $\tau$", **page.GUIDE)
     law = {"color": page.BLUE, "linewidth": page.LAW_LINE_WIDTH}
@@ -104,11 +104,10 @@ def delayed_command(axes: Any, effect: CommandDelay) -> tuple[str, str]:
 
 def measured(axes: Any, effect: SensorEffect) -> tuple[str, str]:
     """Measured over true value; only the error if it is too small to see; over time for a delay."""
-    if isinstance(effect, ChannelLag):
+    if effect.late_by:
         return _late(axes, effect)
     lengths = [abs(getattr(effect, field.name)) for field in effect.parameters() if field.metadata["unit"] != "1"]
-    turns = any(field.name == "harmonic" for field in effect.parameters())
-    reach = 0.5 * turn(effect) if turns or not any(lengths) else 5.0 * max(lengths)
+    reach = 0.5 * turn(effect) if effect.periodic or not any(lengths) else 5.0 * max(lengths)
     true = np.linspace(-reach, reach, 801)
     reported = effect.measured(true, np.arange(801.0))
     page.cross(axes)
@@ -119,10 +118,10 @@ def measured(axes: Any, effect: SensorEffect) -> tuple[str, str]:
     return "true position [rad]", "measured position [rad]"
 
 
-def _late(axes: Any, effect: ChannelLag) -> tuple[str, str]:
+def _late(axes: Any, effect: SensorEffect) -> tuple[str, str]:
     """An oscillating position, and the reading of the sensor."""
-    t = np.linspace(0.0, 20.0 * effect.delay, 1201)
-    true = np.sin(2.0 * math.pi * t / (10.0 * effect.delay))
+    t = np.linspace(0.0, 20.0 * effect.lateness, 1201)
+    true = np.sin(2.0 * math.pi * t / (10.0 * effect.lateness))
     axes.axhline(0.0, color="#111827", linewidth=0.7, zorder=1.0)
     axes.plot(t, true, label="true", **page.GUIDE)
     page.line(axes, t, effect.measured(true, t), label="measured")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.effects import Effect, JointCoupling, JointEffect, MemoryEffect
+from flexdyn.effects import CouplingEffect, Effect, JointEffect, MemoryEffect
 from flexdyn.plots.page import BLUE, GREY, PALE, RED, SHADES, cross, legend, legend_above, line
 
 VELOCITY = "velocity $u$ of the link or rotor [rad/s]"
@@ -48,7 +48,7 @@ def smooth(axes: Any, effect: JointEffect) -> tuple[str, str]:
         legend(axes, "since the start")
     else:
         line(axes, u, effect.torque(0.0, u))
-    if isinstance(effect, JointCoupling):
+    if isinstance(effect, CouplingEffect):
         return r"rotor velocity $\omega$ of the other joint [rad/s]", "torque against this rotor [N m]"
     return VELOCITY, FRICTION
 

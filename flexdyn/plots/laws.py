@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from flexdyn.effects import CommandDelay, DeflectionEffect, Effect, JointEffect, MemoryEffect, SensorEffect
+from flexdyn.effects import DeflectionEffect, Effect, JointEffect, MemoryEffect, SensorEffect
 from flexdyn.errors import InputError
 from flexdyn.plots import drive_curves, friction_curves
 from flexdyn.plots.page import GREY, checked_path, dress, new_figure, save
@@ -18,7 +18,6 @@ Drawing = Callable[[Any, Any], Labels]
 _BY_KIND: tuple[tuple[type[Effect], Drawing], ...] = (
     (MemoryEffect, friction_curves.loop),
     (DeflectionEffect, drive_curves.deflection),
-    (CommandDelay, drive_curves.delayed_command),
     (SensorEffect, drive_curves.measured),
 )
 _BY_STAGE: dict[str, Drawing] = {
@@ -70,6 +69,8 @@ def law_figure(effect: Effect) -> Any:
 
 
 def _drawing(kind: type[Effect]) -> Drawing:
+    if kind.stage == "actuator" and kind.late_by:
+        return drive_curves.delayed_command
     for base, drawing in _BY_KIND:
         if issubclass(kind, base):
             return drawing

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import copy
 import math
-from dataclasses import replace
 from typing import Any
 
-from flexdyn.effects import Effect, WarmUpFriction
+from flexdyn.effects import Effect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 
@@ -18,15 +17,13 @@ def at_time(model: FlexibleJointModel, begin: float) -> FlexibleJointModel:
 
 def is_timed(effect: Effect) -> bool:
     """Whether an effect may depend on the time since the start of the run."""
-    return (isinstance(effect, WarmUpFriction) or effect.is_python) and not effect.is_neutral
+    return (effect.timed or effect.is_python) and not effect.is_neutral
 
 
 def _moved(effect: Effect, begin: float) -> Effect:
     """The effect whose zero of time is this later time."""
-    if isinstance(effect, WarmUpFriction):
-        return replace(effect, coefficient=effect.coefficient * math.exp(-begin / effect.time_constant))
     if not effect.is_python:
-        return effect
+        return effect.later(begin)
     moved = copy.copy(effect)
     law = effect.torque
 

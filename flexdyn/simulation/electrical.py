@@ -9,7 +9,7 @@ import numpy as np
 from flexdyn import _core
 from flexdyn.arrays import Array
 from flexdyn.control.firmware import Firmware
-from flexdyn.effects.motor import MotorWinding
+from flexdyn.effects.actuator import ActuatorEffect
 from flexdyn.errors import InputError
 from flexdyn.model.actuator import Actuator
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -188,4 +188,4 @@ def electrical(model: FlexibleJointModel, tau: Array, omega: Array, z: Array) ->
 def winding_states(model: FlexibleJointModel) -> dict[str, int]:
     """Joint of every motor with inductance -> place of its current's torque among the internal states."""
     kept = [effect for effect in acting_effects(model) if effect.has_state]
-    return {effect.joint: place for place, effect in enumerate(kept) if isinstance(effect, MotorWinding)}
+    return {effect.joint: place for place, effect in enumerate(kept) if isinstance(effect, ActuatorEffect)}

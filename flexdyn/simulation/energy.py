@@ -12,7 +12,6 @@ import numpy as np
 from flexdyn import _core
 from flexdyn.arrays import Array
 from flexdyn.effects import Effect
-from flexdyn.effects.coupling import CouplingFriction
 from flexdyn.errors import SimulationError
 from flexdyn.io.locked import Locked
 from flexdyn.io.notebook import Public
@@ -220,16 +219,14 @@ def _kinetic(plant: _core.Plant, states: Array, speeds: Array) -> Array:
 
 
 def _has_entry(effect: Effect) -> bool:
-    """Whether an effect can take energy; a hardening spring only stores it."""
-    if effect.name == "hardening_spring":
-        return False
-    return effect.stage in ("friction", "dry", "spring") or effect.name == "end_stop"
+    """Whether an effect can take energy; what a law in Python stores, only its entry tells."""
+    takes = effect.is_python or not effect.conservative
+    return takes and effect.stage in ("friction", "dry", "spring", "link")
 
 
 def _label(effect: Effect) -> str:
     """The entry of an effect in the ledger: its name, joint and side."""
-    name = "joint_coupling" if isinstance(effect, CouplingFriction) else effect.name
-    return ".".join((name, *(str(getattr(effect, key)) for key in ("joint", "side"))))
+    return ".".join((effect.part_of or effect.name, *(str(getattr(effect, key)) for key in ("joint", "side"))))
 
 
 def _tolerance(run: Run, parts: list[Array], sums: Array) -> float:

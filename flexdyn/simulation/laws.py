@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn import _core
-from flexdyn.effects import Effect, JointEffect, TorqueConstantError
-from flexdyn.effects.coupling import CouplingPart
+from flexdyn.effects import CouplingEffect, Effect, JointEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot.axes import joint_row
@@ -32,13 +31,13 @@ def acting_effects(model: FlexibleJointModel) -> list[Effect]:
 
 
 def _gains_added(effects: list[Effect]) -> list[Effect]:
-    """One torque-constant error for each joint: gains add, while separate laws would multiply."""
-    gains: dict[str, float] = {}
+    """One gain of the torque for each joint: gains add, while separate laws would multiply."""
+    gains: dict[str, Effect] = {}
     for effect in effects:
-        if isinstance(effect, TorqueConstantError):
-            gains[effect.joint] = gains.get(effect.joint, 0.0) + effect.gain
-    others = [effect for effect in effects if not isinstance(effect, TorqueConstantError)]
-    return [*(TorqueConstantError(joint, gain=gain) for joint, gain in gains.items()), *others]
+        if isinstance(effect, JointEffect) and effect.scales_torque:
+            before = gains[effect.joint].torque_gain if effect.joint in gains else 0.0
+            gains[effect.joint] = effect.replace(**{effect.scales_torque: before + effect.torque_gain})
+    return [*gains.values(), *(effect for effect in effects if not effect.scales_torque)]
 
 
 def core_law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
@@ -54,7 +53,7 @@ def core_law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
     if effect.is_python:
         _check_stage(effect)
         return _core.python_law(effect.stage, joint, side, _caller(effect))
-    other = model.index(effect.other) if isinstance(effect, CouplingPart) else -1
+    other = model.index(effect.partner) if isinstance(effect, CouplingEffect) else -1
     try:
         return _core_law(effect.name, joint, side, effect.values, other, () if row is None else tuple(row.tolist()))
     except ValueError:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from flexdyn import _core
 from flexdyn.arrays import Array, Flags
-from flexdyn.effects import Effect, Payload
+from flexdyn.effects import Effect, InertiaEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot import Robot
@@ -114,7 +114,7 @@ def build_links(model: FlexibleJointModel) -> _core.LinkDynamics:
 
 def _tree_of(true: FlexibleJointModel) -> Tree:
     """The tree of a resolved model, with payloads, and J of rigid joints as armature."""
-    payloads = tuple(effect for effect in true.all_effects if isinstance(effect, Payload))
+    payloads = tuple(effect for effect in true.all_effects if isinstance(effect, InertiaEffect))
     armature = tuple(0.0 if joint.elastic else joint.reflected_inertia for joint in true.joints.values())
     return _loaded_tree(true.robot, payloads, armature)
 
@@ -128,13 +128,14 @@ def with_payloads(robot: Robot, effects: Iterable[Effect]) -> Tree:
     """The robot's tree with the payloads among these effects."""
     tree = robot.tree
     for effect in effects:
-        if isinstance(effect, Payload):
-            tree = tree.with_point_mass(robot.frame(robot.tip if effect.frame is None else effect.frame), effect.mass)
+        if isinstance(effect, InertiaEffect):
+            frame, mass = effect.point_mass
+            tree = tree.with_point_mass(robot.frame(robot.tip if frame is None else frame), mass)
     return tree
 
 
 @lru_cache(maxsize=16)
-def _loaded_tree(robot: Robot, payloads: tuple[Payload, ...], rigid_inertia: tuple[float, ...]) -> Tree:
+def _loaded_tree(robot: Robot, payloads: tuple[InertiaEffect, ...], rigid_inertia: tuple[float, ...]) -> Tree:
     """The tree with payloads and rotors; rotors of rigid joints add to the inertia of their links."""
     tree = with_payloads(robot, payloads)
     for axis in robot.axes:

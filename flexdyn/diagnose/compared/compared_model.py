@@ -13,8 +13,7 @@ from flexdyn.diagnose.compared.report_file import read_report
 from flexdyn.diagnose.report.calibrated import FACTOR, given_number
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Number
-from flexdyn.diagnose.report.words import effect_name, number_phrase, place_phrase
-from flexdyn.effects import ParameterError
+from flexdyn.diagnose.report.words import effect_name, names_number, number_phrase, place_phrase
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model
@@ -74,7 +73,7 @@ def compared_model(given: Given, label: str) -> ComparedModel:
 def _compared(model: FlexibleJointModel, report: Mapping[str, Any], label: str) -> ComparedModel:
     """A model with the uncertainties and probabilities in the report of its diagnosis, else with its tolerances."""
     relative = {number_phrase(model, n.of, n.parameter): n.tolerance for n in file_numbers(model)}
-    factors, acting = {}, _acting(model)
+    factors, acting = {}, _effects_by_place(model)
     probability = {_told(each): _float(each["probability"]) for each in report.get("considered", ())}
     probability |= dict.fromkeys(acting, 1.0)
     for entry in report.get("calibration", ()):
@@ -85,7 +84,7 @@ def _compared(model: FlexibleJointModel, report: Mapping[str, Any], label: str) 
         where = _told(finding)
         for parameter, number in finding["parameters"].items():
             phrase = f"{parameter.replace('_', ' ')} of {where}"
-            if finding["effect"] == ParameterError.name:
+            if names_number(finding["effect"]):
                 phrase = number_phrase(model, finding["of"], finding["parameter"])
             value, std = _float(number["value"]), _float(number["std"])
             factors[phrase], relative[phrase] = value, std / max(abs(value), 1e-300)
@@ -108,7 +107,7 @@ def _numbers(
     return found
 
 
-def _acting(model: FlexibleJointModel) -> tuple[str, ...]:
+def _effects_by_place(model: FlexibleJointModel) -> tuple[str, ...]:
     """Effects of the arm or its sensors, but no wrong numbers of the file."""
     acting = (each.to_dict() for each in model.effects if not each.is_neutral and not each.in_numbers)
     return tuple(dict.fromkeys(map(_told, acting)))

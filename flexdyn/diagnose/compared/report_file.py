@@ -9,7 +9,7 @@ from typing import Any
 
 from flexdyn.checks import as_number
 from flexdyn.diagnose.report.document import SCHEMA
-from flexdyn.effects import ParameterError
+from flexdyn.diagnose.report.words import names_number
 from flexdyn.errors import InputError
 from flexdyn.io.json_file import read_json
 
@@ -59,7 +59,7 @@ def _misfits(content: Mapping[str, Any]) -> Iterator[tuple[str, Any, str]]:
 
 def _finding(key: str, entry: Mapping[str, Any]) -> Iterator[tuple[str, Any, str]]:
     yield from _considered(key, entry)
-    if entry.get("effect") == ParameterError.name:
+    if names_number(str(entry.get("effect"))):
         yield from _texts(key, entry, ("of", "parameter"))
     parameters = entry.get("parameters")
     if not isinstance(parameters, dict):

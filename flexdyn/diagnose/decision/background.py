@@ -74,14 +74,14 @@ def shown(progress: Progress | bool | None) -> Iterator[Progress]:
         progress: the function; False: nothing, not even a line at Ctrl-C; None or True: the bar.
     """
     if progress is False:
-        yield _nothing
+        yield _unseen
         return
     from rich.console import Console
 
     console = Console(stderr=True, markup=False, highlight=False, emoji=False)
     if callable(progress) or not (console.is_terminal or console.is_jupyter):
         with _acknowledged(lambda text: console.print(text, soft_wrap=True)):
-            yield progress if callable(progress) else _nothing
+            yield progress if callable(progress) else _unseen
         return
     from rich.progress import BarColumn, SpinnerColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
     from rich.progress import Progress as Bars
@@ -92,13 +92,13 @@ def shown(progress: Progress | bool | None) -> Iterator[Progress]:
         task, began = bars.add_task("starting", total=1.0, left=""), time.monotonic()
 
         def show(stage: str, share: float) -> None:
-            bars.update(task, description=stage, completed=share, left=_left(share, time.monotonic() - began))
+            bars.update(task, description=stage, completed=share, left=_remaining(share, time.monotonic() - began))
 
         with _acknowledged(bars.console.print):
             yield show
 
 
-def _left(share: float, spent: float) -> str:
+def _remaining(share: float, spent: float) -> str:
     """Estimate of the remaining time, if enough of the work is done for one."""
     return f"{max(1.0, spent * (1.0 - share) / share):.0f} s left" if share >= GUESSED and spent > 1.0 else ""
 
@@ -125,5 +125,5 @@ def _acknowledged(say: Callable[[str], None]) -> Iterator[None]:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def _nothing(stage: str, share: float) -> None:
+def _unseen(stage: str, share: float) -> None:
     """Progress that is not shown."""

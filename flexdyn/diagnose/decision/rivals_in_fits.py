@@ -19,7 +19,7 @@ from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.inference.search import OCCAM_WINDOW, Scan
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
-from flexdyn.effects import SensorOffset, effect_from_dict
+from flexdyn.effects import effect_from_dict
 from flexdyn.errors import SimulationError
 
 RIVAL_LOSS = 0.01
@@ -103,7 +103,7 @@ def _one_sided(space: Space, best: Structure, made: Fit) -> Iterator[tuple[Struc
     """
     for each in sorted(best):
         offset = space.candidates[each[0]]
-        if offset.proposal is None or offset.kind != SensorOffset.name:
+        if offset.proposal is None or not (offset.law.position_error and offset.law.is_constant):
             continue
         rest = without_effect(made.hypothesis, effect_of(offset, made.hypothesis))
         for c, rival in enumerate(space.candidates):

@@ -84,7 +84,7 @@ def diagnose(
             return beside(lambda: _diagnosed(model, fit, check, expected, began, said), course, show)
         except KeyboardInterrupt:
             course.stop.set()
-            raise Interrupted(_known(model, course, began)) from None
+            raise Interrupted(_found_so_far(model, course, began)) from None
 
 
 def _recordings(fit: Any, check: Any, hold_out: Any) -> tuple[Recordings, Recordings, tuple[str, ...]]:
@@ -141,7 +141,7 @@ def _diagnosed(
     return _finished(answer, notes, began, given)
 
 
-def _known(model: FlexibleJointModel, course: Course, began: float) -> Diagnosis | None:
+def _found_so_far(model: FlexibleJointModel, course: Course, began: float) -> Diagnosis | None:
     """What had been found when it was stopped; None where not even the recordings had been read."""
     from flexdyn.diagnose.decision.conclusion import interrupted
 

@@ -39,9 +39,9 @@ def suspect_of(
     """
     if candidate.number is not None:
         number, at = candidate.number, effect_place(candidate.number.of)
-        place = {"of": number.of, "parameter": number.parameter}
         side = SIDES.get(number.parameter) if at is None else getattr(model.effects[at], "side", None)
-        return Suspect("parameter_error", number.joint, side, numbers or {}, place, probability)
+        more = {"parameters": numbers or {}, "probability": probability}
+        return Suspect.of_number(number.of, number.parameter, number.joint, side, **more)
     kind = candidate.kind
     place = {key: value for key, value in candidate.place.items() if key in PLACES}
     effect = candidate.stands

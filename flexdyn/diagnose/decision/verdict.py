@@ -76,12 +76,12 @@ def left(rows: ModelRows, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Le
             continue
         share = float(unit * np.sqrt(power)) / max(rms(rows.torque(j)[1]), 1e-12)
         if share >= LEFT_TORQUE_SHARE and (joint not in found or share > found[joint].share_of_torque):
-            time = _alike(white[:, k], clear) * at.filters.every * at.data[0].dt
+            time = _memory(white[:, k], clear) * at.filters.every * at.data[0].dt
             found[joint] = Left(joint, share, time, depends_on.get(joint, ()))
     return tuple(sorted(found.values(), key=lambda each: (-each.share_of_torque, each.joint)))
 
 
-def _alike(white: Array, clear: Flags) -> int:
+def _memory(white: Array, clear: Flags) -> int:
     """Rows over which what is left stays alike: until its autocorrelation has fallen to 1/e.
 
     Of white rows noise adds 1 to the power, and nothing to products of different rows.

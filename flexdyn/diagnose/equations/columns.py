@@ -10,14 +10,7 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.sensor_columns import of_sensor
 from flexdyn.diagnose.equations.terms import adds_up, applied_torque, of_joint, own_torque, spreads
-from flexdyn.effects import (
-    Effect,
-    JointEffect,
-    JointElasticity,
-    Payload,
-    SensorEffect,
-    TorqueConstantError,
-)
+from flexdyn.effects import Effect, JointEffect, SensorEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.link_side import LinkSide
@@ -96,17 +89,20 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
         return of_replay(equations, effect, scale)
     if isinstance(effect, SensorEffect):
         return of_sensor(equations, effect) / scale
-    if isinstance(effect, Payload):
+    if effect.stage == "inertia":
         model = equations.true.replace(effects=[*equations.true.effects, effect])
         return equations.of_links([LinkSide(model)])[:, 0] / scale
     if _bends(equations, effect):
         return equations.change([*equations.model.effects, effect]) / scale
     true, effect = equations.true, on_joint(effect)
     j = true.index(effect.joint)
-    if isinstance(effect, JointElasticity):  # to first order
-        return of_compliance(equations, j) / (effect.stiffness * scale)
-    if isinstance(effect, TorqueConstantError):
-        return equations.of_torque(j, lambda along: ("motor", effect.gain * _given(equations, along, j))) / scale
+    if effect.makes_elastic:  # to first order
+        return of_compliance(equations, j) / (float(getattr(effect, effect.makes_elastic)) * scale)
+    if effect.scales_torque:
+        return (
+            equations.of_torque(j, lambda along: ("motor", effect.torque_gain * _motor_torque(equations, along, j)))
+            / scale
+        )
     if stands_alone(equations, effect):
         return equations.of_torque(j, lambda along: own_torque(effect, true, along)) / scale
     if effect.stage == "actuator":
@@ -134,12 +130,12 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
     """
     ahead = {name: getattr(effect, name) + step}
     moved = effect.replace(**ahead)
-    if moves_links(equations, effect) or isinstance(effect, JointElasticity) or _bends(equations, effect):
+    if moves_links(equations, effect) or effect.makes_elastic or _bends(equations, effect):
         # other rows and positions move with it
         return equations.change([moved if e == effect else e for e in equations.model.effects]) / step
     if isinstance(effect, SensorEffect):
         return of_sensor(equations, effect.replace(**ahead), effect) / step
-    if isinstance(effect, Payload | TorqueConstantError):
+    if effect.stage == "inertia" or effect.scales_torque:
         return (of_effect(equations, moved) - of_effect(equations, effect)) / step
     true, effect, moved = equations.true, on_joint(effect), on_joint(moved)
     if stands_alone(equations, effect):
@@ -148,7 +144,7 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
     return (equations.of_joint(j, true, effects) - equations.own(j)) / step
 
 
-def _given(equations: Equations, along: SmoothedMotion, j: int) -> Array:
+def _motor_torque(equations: Equations, along: SmoothedMotion, j: int) -> Array:
     """Torque (samples,) that a motor must give according to the model, in the scale of the recorded torque."""
     return equations.needed(along, j) - equations.lost(along, j)
 

@@ -9,7 +9,7 @@ from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.equations.shared import LinkTorques
 from flexdyn.diagnose.equations.users_laws import torque_of
-from flexdyn.effects import Backlash, HardeningSpring, JointEffect, SpringHysteresis
+from flexdyn.effects import DeflectionEffect, JointEffect, MemoryEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.signals.kernels import GaussianSmoother
 from flexdyn.simulation.link_side import LinkSide
@@ -98,7 +98,7 @@ def _wound(model: FlexibleJointModel, j: int, carried: Array) -> Array:
         torque, slope = _spring(model, j, seen)
         seen = seen + (carried - torque) / slope
     # The inverse of `deflection_after` in laws.hpp.
-    gap = sum(effect.half_gap for effect in _acting(model, j) if isinstance(effect, Backlash))
+    gap = sum(effect.gap for effect in _acting(model, j) if isinstance(effect, DeflectionEffect))
     return np.asarray(seen + gap * np.sign(carried))
 
 
@@ -107,8 +107,9 @@ def steepness(model: FlexibleJointModel, j: int, seen: Array) -> Array:
     return _spring(model, j, seen)[1] if _springs(model, j) else np.full(len(seen), model.stiffness[j])
 
 
-def _springs(model: FlexibleJointModel, j: int) -> list[HardeningSpring | SpringHysteresis]:
-    return [effect for effect in _acting(model, j) if isinstance(effect, HardeningSpring | SpringHysteresis)]
+def _springs(model: FlexibleJointModel, j: int) -> list[JointEffect]:
+    """Laws in addition to the linear spring that make it another one."""
+    return [effect for effect in _acting(model, j) if effect.bends_spring and effect.stage == "spring"]
 
 
 def _spring(model: FlexibleJointModel, j: int, seen: Array) -> tuple[Array, Array]:
@@ -120,10 +121,12 @@ def _spring(model: FlexibleJointModel, j: int, seen: Array) -> tuple[Array, Arra
         return torque, np.clip(slope, K, STEEPEST_SPRING * K)
 
 
-def _more(springs: list[HardeningSpring | SpringHysteresis], seen: Array) -> Array:
+def _more(springs: list[JointEffect], seen: Array) -> Array:
     """Torque (samples,) of the laws in addition to the linear spring."""
     still = np.zeros_like(seen)
-    parts = (e.along(seen) if isinstance(e, SpringHysteresis) else e.torque(seen, still) for e in springs)
+    parts = (
+        e.along(seen) if isinstance(e, MemoryEffect) else torque_of(e, seen, still, t=still, tau=still) for e in springs
+    )
     return np.asarray(sum(parts, still))
 
 

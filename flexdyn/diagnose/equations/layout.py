@@ -14,8 +14,8 @@ from flexdyn.diagnose.equations.computed_positions import steepness
 from flexdyn.diagnose.equations.motion import SmoothedMotion, hidden_links
 from flexdyn.diagnose.equations.response import LinkResponse
 from flexdyn.diagnose.lazy import kept, lazy
-from flexdyn.effects import TorqueConstantError
-from flexdyn.effects.motor import MotorTorque
+from flexdyn.effects import JointEffect
+from flexdyn.effects.motor import DCMotorLaw
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 MOTOR, LINK, TOTAL, TRANSMISSION, SENSOR = "motor", "link", "total", "transmission", "sensor"
@@ -103,9 +103,9 @@ class EquationLayout:
         return ratio
 
     @lazy
-    def motors(self) -> tuple[tuple[MotorTorque, ...], ...]:
+    def motors(self) -> tuple[tuple[DCMotorLaw, ...], ...]:
         """The law of each joint's motor under voltage; none for a motor under torque."""
-        laws = [law for law in self.true.motor_laws if isinstance(law, MotorTorque)]
+        laws = [law for law in self.true.motor_laws if isinstance(law, DCMotorLaw)]
         return tuple(tuple(law for law in laws if law.joint == name) for name in self.true.joint_names)
 
     def back_emf(self, j: int) -> float:
@@ -121,8 +121,8 @@ class EquationLayout:
         """
         gains = np.ones(self.true.n)
         for effect in self.true.all_effects:
-            if isinstance(effect, TorqueConstantError):
-                gains[self.true.index(effect.joint)] += effect.gain
+            if isinstance(effect, JointEffect) and effect.scales_torque:
+                gains[self.true.index(effect.joint)] += effect.torque_gain
         for j, laws in enumerate(self.motors):
             gains[j] *= math.prod(law.gain for law in laws)
         return np.where(np.abs(gains) < 0.05, np.copysign(0.05, gains), gains)

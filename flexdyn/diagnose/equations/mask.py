@@ -10,7 +10,7 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.rest import borders, near, uncertain_sign
-from flexdyn.effects import JointCoupling
+from flexdyn.effects import CouplingEffect
 
 
 def sign_mask(equations: Equations, noise: SampleNoise, *, alone: bool = False) -> Flags:
@@ -80,12 +80,13 @@ def _rubbing(equations: Equations, along: SmoothedMotion, noise: SampleNoise, j:
     true, uncertain = equations.true, np.zeros(len(along.t), dtype=bool)
     levels = np.maximum(noise.q, noise.theta)
     for effect in true.all_effects:
-        if isinstance(effect, JointCoupling) and effect.level > 0.0:
-            one, other = true.index(effect.joint), true.index(effect.other)
-            if j in (one, other):
-                u = along.omega[:, one] - effect.ratio * along.omega[:, other]
-                sigma = float(np.hypot(levels[one], effect.ratio * levels[other]))
-                uncertain |= uncertain_sign(u, sigma, equations.filters.first)
+        if not isinstance(effect, CouplingEffect) or effect.rubbing_ratio is None:
+            continue
+        one, other, ratio = true.index(effect.joint), true.index(effect.partner), effect.rubbing_ratio
+        if j in (one, other):
+            u = along.omega[:, one] - ratio * along.omega[:, other]
+            sigma = float(np.hypot(levels[one], ratio * levels[other]))
+            uncertain |= uncertain_sign(u, sigma, equations.filters.first)
     return uncertain
 
 

@@ -13,7 +13,7 @@ from flexdyn.diagnose.equations.equations import Equations, Torques
 from flexdyn.diagnose.equations.held_torque import centred
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import of_joint, spring_torque
-from flexdyn.effects import ChannelLag, SensorEffect
+from flexdyn.effects import SensorEffect
 from flexdyn.effects.channels import by_channel
 
 
@@ -45,10 +45,12 @@ def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect 
 
     if signal in ("tau", "tau_s"):
         return equations.of_terms(j, torques)
-    return np.concatenate([_moved(equations, each, signal, j, error(each)).ravel() for each in equations.motions])
+    return np.concatenate(
+        [_rows_of_encoder_error(equations, each, signal, j, error(each)).ravel() for each in equations.motions]
+    )
 
 
-def of_lag_shape(equations: Equations, effect: ChannelLag) -> Array:
+def of_lag_shape(equations: Equations, effect: SensorEffect) -> Array:
     """Change of the rows (rows,) by the shape of the filter that makes a torque late.
 
     A filter is the mean d of its impulse response and the variance s^2 of that, to second order:
@@ -63,18 +65,18 @@ def of_lag_shape(equations: Equations, effect: ChannelLag) -> Array:
 
     def torques(along: SmoothedMotion) -> Torques:
         ahead = centred(along.data.channel(effect.signal)[:, j])  # y(t + d): the data are without the model's lags
-        return 0.5 * effect.delay**2 * _smoothed(equations, along, ahead, 2), None, None
+        return 0.5 * effect.lateness**2 * _smoothed(equations, along, ahead, 2), None, None
 
     return equations.of_terms(j, torques)
 
 
 def _true(effect: SensorEffect, data: Measured, seen: Array) -> Array:
-    if isinstance(effect, ChannelLag) and effect.signal == "tau":
-        return np.asarray(np.interp(data.t + effect.delay, data.t, seen))
+    if effect.late_by and effect.signal == "tau":
+        return np.asarray(np.interp(data.t + effect.lateness, data.t, seen))
     return true_channel([effect], seen, data)
 
 
-def _moved(equations: Equations, along: SmoothedMotion, signal: str, j: int, wrong: Array) -> Array:
+def _rows_of_encoder_error(equations: Equations, along: SmoothedMotion, signal: str, j: int, wrong: Array) -> Array:
     """Change of the rows of one recording (times, equations) by the error of an encoder (samples,)."""
     model, combined = equations.true, equations.combined
     d0, d1, d2 = (_smoothed(equations, along, wrong, order) for order in range(3))
@@ -84,7 +86,7 @@ def _moved(equations: Equations, along: SmoothedMotion, signal: str, j: int, wro
         rows += combined(along, None, -along.dragged(j, (d0, d1, d2)), None)
     if model.elastic[j]:
         rotor = -model.rotor_inertia[j] * d2 if signal == "theta" or alone else 0.0
-        link, motor = (0.0 * d0, 0.0 * d0) if alone else _wound(equations, along, signal, j, d0, d1)
+        link, motor = (0.0 * d0, 0.0 * d0) if alone else _spring_change(equations, along, signal, j, d0, d1)
         rows += combined(along, rotor - motor, link, -link, only=j)
     elif not alone:
         wound = np.zeros_like(along.q)
@@ -93,7 +95,7 @@ def _moved(equations: Equations, along: SmoothedMotion, signal: str, j: int, wro
     return rows
 
 
-def _wound(
+def _spring_change(
     equations: Equations, along: SmoothedMotion, signal: str, j: int, d0: Array, d1: Array
 ) -> tuple[Array, Array]:
     """Change of the spring's torque on the link, and on the rotor (samples,), by changes of a position and its rate."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.effects import ParameterError, Payload, SensorEffect
+from flexdyn.effects import Effect, InertiaEffect, SensorEffect
+from flexdyn.effects.model_error import is_number_error
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.resolved_parameters import OF_LINK
 from flexdyn.simulation.link_side import LinkSide
 
 
@@ -42,12 +44,11 @@ def same_signals(one: FlexibleJointModel, other: FlexibleJointModel) -> bool:
 def same_links(one: FlexibleJointModel, other: FlexibleJointModel) -> bool:
     """Whether M and h agree: the same links, payloads, and rotors of rigid joints."""
     rigid = ~one.elastic
-    mine, its = ([e for e in each.resolved().effects if isinstance(e, Payload)] for each in (one, other))
+    mine, its = ([e for e in each.resolved().effects if isinstance(e, InertiaEffect)] for each in (one, other))
     rotors = np.array_equal(one.resolved().rotor_inertia[rigid], other.resolved().rotor_inertia[rigid])
     return rotors and mine == its and one.robot is other.robot and _wrong(one) == _wrong(other)
 
 
-def _wrong(model: FlexibleJointModel) -> list[ParameterError]:
+def _wrong(model: FlexibleJointModel) -> list[Effect]:
     """Errors of the links' numbers."""
-    errors = (effect for effect in model.effects if isinstance(effect, ParameterError))
-    return [effect for effect in errors if effect.parameter.startswith("link_")]
+    return [effect for effect in model.effects if is_number_error(effect) and effect.parameter in OF_LINK]

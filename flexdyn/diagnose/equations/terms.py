@@ -10,14 +10,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.users_laws import torque_of
-from flexdyn.effects import (
-    CommandDelay,
-    DeflectionEffect,
-    Effect,
-    JointCoupling,
-    JointEffect,
-    MemoryEffect,
-)
+from flexdyn.effects import CouplingEffect, DeflectionEffect, Effect, JointEffect, MemoryEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot.axes import joint_row
 
@@ -36,11 +29,13 @@ def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: in
     What bends the torque acts before the filters, where it was recorded; after them where the command comes late.
     """
     acting = sorted((e for e in effects if e.stage == "actuator"), key=lambda e: e.order)
-    late = any(isinstance(each, CommandDelay) for each in acting)
+    late = any(each.late_by for each in acting)
     if motion.held is None or late or not any(each.of_recorded_torque for each in acting):
-        return _after(acting, motion.t, motion.theta[:, j], motion.omega[:, j], motion.tau[:, j])
+        return _through_actuator(acting, motion.t, motion.theta[:, j], motion.omega[:, j], motion.tau[:, j])
     theta, omega = (np.pad(x[:, j], motion.lost, mode="edge") for x in (motion.theta, motion.omega))
-    return motion.held.through(lambda tau: _after(acting, motion.data.t, theta, omega, tau), j, len(motion.t))
+    return motion.held.through(
+        lambda tau: _through_actuator(acting, motion.data.t, theta, omega, tau), j, len(motion.t)
+    )
 
 
 def torque_slope(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array | None:
@@ -50,15 +45,17 @@ def torque_slope(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int)
         return None
     tau = motion.tau[:, j]
     step = SLOPE_STEP * max(float(np.abs(tau).max()), 1e-300)
-    above, below = (_after(acting, motion.t, motion.theta[:, j], motion.omega[:, j], tau + x) for x in (step, -step))
+    above, below = (
+        _through_actuator(acting, motion.t, motion.theta[:, j], motion.omega[:, j], tau + x) for x in (step, -step)
+    )
     return np.asarray((above - below) / (2.0 * step))
 
 
-def _after(acting: Sequence[JointEffect], t: Array, theta: Array, omega: Array, tau: Array) -> Array:
+def _through_actuator(acting: Sequence[JointEffect], t: Array, theta: Array, omega: Array, tau: Array) -> Array:
     """A torque after some effects, one after the other (samples,)."""
     for effect in acting:
-        if isinstance(effect, CommandDelay):
-            tau = np.interp(t - effect.delay, t, tau)
+        if effect.late_by:
+            tau = np.interp(t - effect.lateness, t, tau)
         else:
             tau = torque_of(effect, theta, omega, t=t, tau=tau)
     return tau
@@ -111,7 +108,7 @@ def friction_torque(
 
 def spreads(effect: Effect, model: FlexibleJointModel) -> bool:
     """Whether an effect acts on several axes: dry friction between two motors, a law of a joint that several move."""
-    if isinstance(effect, JointCoupling) and effect.level != 0.0:
+    if isinstance(effect, CouplingEffect) and effect.rubbing_ratio is not None:
         return True
     return isinstance(effect, JointEffect) and joint_row(model.robot, effect.joint) is not None
 
@@ -122,14 +119,15 @@ def spread_torques(effect: JointEffect, model: FlexibleJointModel, motion: Smoot
     if row is not None:
         own = effect.torque(motion.q @ row, motion.v @ row, t=motion.t)
         return "link", torques + own[:, None] * row
-    assert isinstance(effect, JointCoupling)  # noqa: S101 - see `spreads`
-    one, other = model.index(effect.joint), model.index(effect.other)
-    on_one, on_other = effect.torques(motion.omega[:, one], motion.omega[:, other])
-    torques[:, one], torques[:, other] = -on_one, -on_other
+    assert isinstance(effect, CouplingEffect)  # noqa: S101 - see `spreads`
+    one, other = model.index(effect.joint), model.index(effect.partner)
+    torques[:, one], torques[:, other] = effect.on_rotors(motion.omega[:, one], motion.omega[:, other])
     return "motor", torques
 
 
-def _given(effects: Sequence[Effect], model: FlexibleJointModel, motion: SmoothedMotion, j: int) -> dict[str, Array]:
+def _not_friction(
+    effects: Sequence[Effect], model: FlexibleJointModel, motion: SmoothedMotion, j: int
+) -> dict[str, Array]:
     """Torques of a joint that are no friction, by side (samples,): on its link, and of effects on several axes."""
     found = {side: np.zeros(len(motion.t)) for side in ("motor", "link")}
     for effect in effects:
@@ -155,8 +153,8 @@ def own_torque(effect: JointEffect, model: FlexibleJointModel, motion: SmoothedM
         return side, effect.torque(x, u, t=motion.t)
     if isinstance(effect, MemoryEffect):
         return side, -effect.along(x, u)
-    if isinstance(effect, JointCoupling):
-        return side, -effect.torque(x, motion.omega[:, model.index(effect.other)])
+    if isinstance(effect, CouplingEffect):
+        return side, effect.on_rotors(u, motion.omega[:, model.index(effect.partner)])[0]
     return side, -torque_of(effect, x, u, t=motion.t, tau=motion.tau[:, j])
 
 
@@ -179,7 +177,7 @@ class Terms:
 def joint_terms(model: FlexibleJointModel, effects: Sequence[Effect], motion: SmoothedMotion, j: int) -> Terms:
     """The torques on a joint's rotor and link along a motion."""
     acting = [each for each in of_joint(effects, model.joint_names[j]) if not spreads(each, model)]
-    given = _given(effects, model, motion, j)
+    given = _not_friction(effects, model, motion, j)
     motor = applied_torque(acting, motion, j) + given["motor"]
     link = given["link"] - friction_torque(acting, model, motion, j, "link", np.zeros(len(motion.t)))
     carried = motion.inverse_dynamics[:, j] - link

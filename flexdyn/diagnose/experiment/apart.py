@@ -11,6 +11,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.experiment.reach import with_load
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import linearised
@@ -18,8 +19,6 @@ from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.simulated.window_fit import slopes
-from flexdyn.effects import Payload
-from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber
 
 NEW_MOTION_STEPS = 2
@@ -51,9 +50,9 @@ class Known:
         """With the fitted numbers."""
         return self.fitted.hypothesis
 
-    def loaded(self, load: Payload) -> Known:
-        """The same of the arm with a known payload."""
-        hypothesis = dataclasses.replace(self.hypothesis, given=with_load(self.hypothesis.given, load))
+    def loaded(self, mass: float) -> Known:
+        """The same of the arm with a known payload [kg] at its tip."""
+        hypothesis = dataclasses.replace(self.hypothesis, given=with_load(self.hypothesis.given, mass))
         return Known(dataclasses.replace(self.fitted, hypothesis=hypothesis), self.root)
 
     def marginal(self, count: int) -> Array:
@@ -107,11 +106,6 @@ def _lengths(X: Array) -> Array:
     """Lengths of the columns (columns,); 1 of an empty one."""
     length = np.sqrt((X**2).sum(axis=0))
     return np.where(length > 0.0, length, 1.0)
-
-
-def with_load(model: FlexibleJointModel, load: Payload) -> FlexibleJointModel:
-    """The model of an arm with a known payload."""
-    return model.replace(effects=[*model.effects, load])
 
 
 def space_along(space: Workspace, numbers: Iterable[FileNumber], run: Measured) -> Workspace:

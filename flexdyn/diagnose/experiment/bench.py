@@ -11,13 +11,13 @@ from flexdyn.arrays import Array
 from flexdyn.control.commands import PD
 from flexdyn.control.samples import Samples
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.experiment.apart import Known, Refit, refitted, space_along, windowed, with_load
+from flexdyn.diagnose.experiment.apart import Known, Refit, refitted, space_along, windowed
 from flexdyn.diagnose.experiment.moves import PlannedMotion
-from flexdyn.diagnose.experiment.reach import Reach
+from flexdyn.diagnose.experiment.reach import Reach, with_load
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.effects import JointEffect, MemoryEffect, Payload
+from flexdyn.effects import JointEffect, MemoryEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
@@ -87,9 +87,9 @@ class RehearsalBench:
         """The same arm with a payload [kg] at its tip."""
         if not mass:
             return self
-        load, equations = Payload(mass=mass, frame=self.space.equations.true.robot.tip), self.space.equations
-        space = replace(self.space, equations=replace(equations, model=with_load(equations.model, load)))
-        return replace(self, space=space, known=tuple(each.loaded(load) for each in self.known))
+        equations = self.space.equations
+        space = replace(self.space, equations=replace(equations, model=with_load(equations.model, mass)))
+        return replace(self, space=space, known=tuple(each.loaded(mass) for each in self.known))
 
     def side(self, truth: int, move: PlannedMotion) -> Side:
         """The motion simulated with a hypothesis, evaluated by the equations.

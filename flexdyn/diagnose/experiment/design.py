@@ -59,7 +59,7 @@ def with_experiment(found: Finding, named: Fit, rivals: Sequence[Fit]) -> Findin
     names = _names(model, found)
     chosen = _chosen(rehearsed)
     if chosen is None:
-        return replace(found, experiment=_nothing(names, rehearsed))
+        return replace(found, experiment=_no_motion_helps(names, rehearsed))
     plan = planned(*chosen, names)
     return replace(found, experiment=_sentence(plan, names), plan=plan)
 
@@ -104,7 +104,7 @@ def _moves(bench: RehearsalBench, joints: Sequence[int]) -> Iterator[PlannedMoti
     reach, true = bench.reach, bench.space.equations.true
 
     def at(k: int) -> list[list[PlannedMotion]]:
-        words = [_held(true, reach.poses[k], j, POSES[k]) for j in joints]
+        words = [_other_joints(true, reach.poses[k], j, POSES[k]) for j in joints]
         return [moves(reach, j, true, reach.poses[k], where) for j, where in zip(joints, words, strict=True)]
 
     middle = at(0)
@@ -120,7 +120,7 @@ def _by_turns(joints: list[list[PlannedMotion]]) -> Iterator[PlannedMotion]:
     return (move for turn in itertools.zip_longest(*joints) for move in turn if move is not None)
 
 
-def _held(model: FlexibleJointModel, pose: Array, j: int, words: str) -> str:
+def _other_joints(model: FlexibleJointModel, pose: Array, j: int, words: str) -> str:
     """The positions of the other joints, in words."""
     others = [k for k in range(model.n) if k != j]
     if len(others) > HELD_JOINTS_NAMED:
@@ -163,7 +163,7 @@ def _sentence(plan: Experiment, names: Sequence[str]) -> str:
     return f"{plan.motion}{often}, {plan.seconds:.0f} s in all: in simulation, {told} {sure}"
 
 
-def _nothing(names: Sequence[str], rehearsed: Sequence[Rehearsal]) -> str:
+def _no_motion_helps(names: Sequence[str], rehearsed: Sequence[Rehearsal]) -> str:
     """A sentence that no motion helps, with the largest difference that was found."""
     left, best = max(((made.apart(made.most), made) for made in rehearsed), key=lambda each: each[0])
     told = f"no motion within the range of the recordings separates {names[0]} from {' or '.join(names[1:])}"

@@ -25,7 +25,7 @@ def planned(made: Rehearsal, passes: int, names: Sequence[str]) -> Experiment:
     near = int(np.argmin(made.sides[0].apart(1)))
     true, run, j = made.bench.space.equations.true, made.sides[0].run, made.move.joint
     t = np.linspace(run.t[0], run.t[-1], PICTURE_POINTS)
-    left, label = _left(made, near, passes, t)
+    left, label = _left_most(made, near, passes, t)
     return Experiment(
         motion=made.move.words,
         seconds=passes * made.seconds,
@@ -41,7 +41,7 @@ def planned(made: Rehearsal, passes: int, names: Sequence[str]) -> Experiment:
     )
 
 
-def _left(made: Rehearsal, near: int, passes: int, t: Array) -> tuple[Array, str]:
+def _left_most(made: Rehearsal, near: int, passes: int, t: Array) -> tuple[Array, str]:
     """What a rival leaves in the equation or channel in which it leaves most, in units of noise, and which that is.
 
     It is NaN between simulated windows.

@@ -101,13 +101,18 @@ def _poses(links: LinkSide, q: Array, middle: Array) -> Array:
     return np.stack([middle, seen[int(np.argmax(weight))], seen[int(np.argmin(weight))]])
 
 
+def with_load(model: FlexibleJointModel, mass: float) -> FlexibleJointModel:
+    """The model of an arm with a known payload [kg] at its tip."""
+    return model.replace(effects=[*model.effects, Payload(mass=mass, frame=model.robot.tip)])
+
+
 def load_mass(equations: Equations, reach: Reach) -> float:
     """A known payload for the tip [kg]: 1, 2 or 5 times a power of ten; 0 if the recorded torques do not allow one.
 
     At each pose it takes only a part of the torque that gravity leaves, and adds only a part of each inertia.
     """
     true = equations.true
-    with_it = LinkSide(true.replace(effects=[*true.effects, Payload(mass=1.0, frame=true.robot.tip)]))
+    with_it = LinkSide(with_load(true, 1.0))
     rest = np.zeros_like(reach.poses)
     weight = equations.links.bias(reach.poses, rest)
     more = np.abs(with_it.bias(reach.poses, rest) - weight)

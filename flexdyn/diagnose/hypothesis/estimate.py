@@ -6,9 +6,8 @@ import dataclasses
 import math
 
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
-from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, count_of, moved
 from flexdyn.diagnose.hypothesis.linear import linearised, reached
-from flexdyn.effects import SensorOffset
 from flexdyn.errors import SimulationError
 
 NEGLIGIBLE_DROP = 0.05
@@ -47,7 +46,7 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
         if best.reached - best.chi2 < worth or little == LITTLE:
             break
         watched = share == 1.0 and ahead < WATCHDOG_STEPS
-        made = _after(base, share, math.inf if watched else best.reached)
+        made = _stepped(base, share, math.inf if watched else best.reached)
         if made is None:
             base, share = best, SHORTENED_STEP * share
             continue
@@ -73,7 +72,7 @@ def _begun(start: Hypothesis, space: Workspace) -> Fit:
     return linearised(held, space, None, back)
 
 
-def _after(base: Fit, share: float, most: float) -> Fit | None:
+def _stepped(base: Fit, share: float, most: float) -> Fit | None:
     """The problem after a share of a step; None, without computing slopes, if the residual exceeds a bound."""
     trial = moved(base.hypothesis, share * base.step, base.scales)
     try:
@@ -89,5 +88,5 @@ def _counted(made: Fit, space: Workspace) -> Fit:
     """The fit with the fitted offsets of its encoders in the hypothesis."""
     first = made.regression.X.shape[1] - space.nuisance.shape[1]
     values = made.regression.values[first : first + len(space.channels)]
-    counts = tuple(SensorOffset(name, offset=float(x)) for name, x in zip(space.channels, values, strict=True))
+    counts = tuple(count_of(name, float(x)) for name, x in zip(space.channels, values, strict=True))
     return dataclasses.replace(made, hypothesis=dataclasses.replace(made.hypothesis, counts=counts))

@@ -14,10 +14,6 @@ from flexdyn.effects import Effect, SensorOffset
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber, with_factors
 
-DISCRETE = ("harmonic", "exponent")
-"""Parameters that are chosen from a few values and not estimated."""
-POSITIVE = ("velocity", "time_constant", "width", "half_gap", "stiffness", "level", "stall_torque", "no_load_speed")
-"""Parameters that a step may change only by a limited factor, because their laws degenerate at 0."""
 STEP_ROUNDING = 1e-9
 """A smaller share of a step counts as no step [1]."""
 LEAST_FACTOR = 0.02
@@ -68,10 +64,15 @@ class Hypothesis:
             (effect, entry.name)
             for effect in self.effects
             for entry in effect.parameters()
-            if (entry.name not in DISCRETE or entry.name in self.measured)
+            if (not entry.metadata["chosen"] or entry.name in self.measured)
             and entry.name not in effect.unproposed
             and math.isfinite(getattr(effect, entry.name))
         ]
+
+
+def count_of(channel: str, offset: float) -> SensorOffset:
+    """An offset of an encoder of about a count, see `Hypothesis` [rad or m]."""
+    return SensorOffset(channel, offset=offset)
 
 
 def moved(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hypothesis:
@@ -91,7 +92,7 @@ def bounded(effect: Effect, name: str, step: float) -> float:
     value, lower = getattr(effect, name), entry.metadata["lower"]
     if name == "harmonic":
         return float(np.clip(value + step, max(1.0, 0.9 * value), 1.1 * value))
-    if (name in POSITIVE or entry.metadata["strict"]) and value > lower == 0.0:
+    if entry.metadata["by_factor"] and value > lower == 0.0:
         return float(np.clip(value + step, value / 2.5, value * 2.5))
     return float(min(max(_landed(value + step, lower, step), lower), effect.largest(name)))
 

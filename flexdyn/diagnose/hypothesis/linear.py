@@ -62,7 +62,7 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
 
 def within_bounds(made: Fit) -> Fit:
     """The problem with fixed values for numbers and unknowns at a bound that would leave it."""
-    regression, held = made.regression, _held(made.hypothesis, made.regression, made.scales)
+    regression, held = made.regression, _at_bounds(made.hypothesis, made.regression, made.scales)
     if not held:
         return made
     X, sigma, centre = regression.X.copy(), regression.sigma.copy(), regression.centre.copy()
@@ -106,7 +106,7 @@ def _rows(
     return white[:, 0], np.column_stack([numbers, white[:, 1:], space.nuisance])
 
 
-def _held(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, ...]) -> tuple[int, ...]:
+def _at_bounds(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, ...]) -> tuple[int, ...]:
     """Columns of the numbers and unknowns at a bound that would leave it."""
     first = len(hypothesis.factors)
     wanted = regression.values[first : first + len(scales)] * np.array(scales)

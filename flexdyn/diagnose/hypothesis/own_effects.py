@@ -164,11 +164,11 @@ def _proposal(kind: type[JointEffect], place: Mapping[str, str], equations: Equa
     base = law.first_that_works(points)
     linear = law.linear_in(base)
     others = [name for name in grids if name not in linear]
-    grid = [p for p in _thinned([grids[name] for name in others]) if law.works(base | _named(others, p))]
+    grid = [p for p in _thinned([grids[name] for name in others]) if law.works(base | _by_name(others, p))]
 
     def build(point: Point, x: Sequence[float]) -> Effect | None:
         try:
-            return law.effect(_named(others, point) | _named(linear, x))
+            return law.effect(_by_name(others, point) | _by_name(linear, x))
         except InputError:  # out of its bounds
             return None
 
@@ -177,7 +177,7 @@ def _proposal(kind: type[JointEffect], place: Mapping[str, str], equations: Equa
     return Proposal(place, build, tuple(grid), positive, sizes)
 
 
-def _named(names: Sequence[str], numbers: Sequence[float]) -> dict[str, float]:
+def _by_name(names: Sequence[str], numbers: Sequence[float]) -> dict[str, float]:
     return dict(zip(names, numbers, strict=True))
 
 

@@ -146,16 +146,6 @@ def declared(
     return Proposal(place, build, grid, tuple(positive), (kind.small(extent),) * len(positive), kind.axes)
 
 
-def given(place: Mapping[str, str], names: Sequence[str], grid: Sequence[Point]) -> Proposal:
-    """An effect without linear parameters, at the points of a grid."""
-    return Proposal(
-        place,
-        lambda point, _: effect_from_dict({**place, **dict(zip(names, point, strict=True))}),
-        tuple(grid),
-        axes=tuple(names),
-    )
-
-
 def half_gaps(equations: Equations, j: int, deflection: float) -> list[float]:
     """Half gaps to be tried at a joint [rad or m].
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.proposal import Proposal, declared, extent_of
@@ -27,7 +27,8 @@ def proposals(equations: Equations) -> list[Proposal]:
     own = [k for k in laws if k.stage != "link" and (k.linear or k.grids)]
     shaped = [k for k in laws if k.stage != "link" and k not in own]
     links = sorted((k for k in laws if k.stage == "link"), key=lambda k: not k.axes and not k.linear_bounds)
-    sensors = sorted((k for k in kinds if issubclass(k, SensorEffect)), key=lambda k: k.name)
+    sensors = sorted((k for k in kinds if issubclass(k, SensorEffect) and not k.late_by), key=lambda k: k.name)
+    lags = [k for k in kinds if issubclass(k, SensorEffect) and k.late_by]
     found: list[Proposal] = []
     true = equations.true
     for j, joint in enumerate(true.joint_names):
@@ -45,6 +46,7 @@ def proposals(equations: Equations) -> list[Proposal]:
         found += _sensors(equations, j, extent, sensors)
     tip = {"frame": true.robot.tip}
     found += [declared(k, tip, extent) for k in kinds if _has(k, "frame")]
+    found += _lags(equations, lags)
     return [each for each in found if each.grid and _may_be(equations, each)]
 
 
@@ -71,7 +73,7 @@ def _on_side(
     there = [each for each in true.all_effects if isinstance(each, JointEffect) and each.joint == joint]
     beside = {each.name for each in there if each.side == side}
     for kind in kinds:
-        possible = elastic != kind.makes_elastic if side == "transmission" else elastic or not kind.takes_load
+        possible = elastic != bool(kind.makes_elastic) if side == "transmission" else elastic or not kind.takes_load
         if side in kind.sides and possible:
             yield declared(kind, {"joint": joint, "side": side}, extent, beside)
 
@@ -91,3 +93,17 @@ def _sensors(
             for kind in kinds:
                 if (not kind.signals or signal in kind.signals) and (told or kind.periodic or signal == "tau_s"):
                     yield declared(kind, {"channel": channel}, seen)
+
+
+def _lags(equations: Equations, kinds: Sequence[type[SensorEffect]]) -> Iterator[Proposal]:
+    """Lags of the encoders, and of the recorded torque.
+
+    A lag is no small change where a spring is stiff, so it is on a grid.
+    """
+    true, data = equations.true, equations.data[0]
+    there = {"q": data.has_q, "theta": data.has_theta}
+    channels = [f"{s}.{name}" for j, name in enumerate(true.joint_names) for s in there if there[s][j]]
+    for channel in (*channels, *(f"tau.{name}" for name in true.joint_names)):
+        signal, _, joint = channel.partition(".")
+        extent = dataclasses.replace(extent_of(equations, true.index(joint)), signal=signal)
+        yield from (declared(kind, {"channel": channel}, extent) for kind in kinds)

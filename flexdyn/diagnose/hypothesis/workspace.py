@@ -21,8 +21,8 @@ from flexdyn.diagnose.equations.sensor_columns import of_lag_shape
 from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Workspace
-from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.effects import ChannelLag, SensorOffset
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, count_of
+from flexdyn.effects import SensorEffect
 from flexdyn.errors import InputError, SimulationError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber, file_numbers, with_factors
@@ -80,13 +80,13 @@ class Unweighted:
 
 
 def _of_offsets(equations: Equations, channels: Iterable[str]) -> list[Array]:
-    return [columns.of_effect(equations, SensorOffset(name, offset=1e-6), 1e-6) for name in channels]
+    return [columns.of_effect(equations, count_of(name, 1e-6), 1e-6) for name in channels]
 
 
 def _of_lags(equations: Equations) -> list[Array]:
     """Slopes by what each lag of a torque is, of a delay or a low pass: no record says so beforehand."""
-    lags = [each for each in equations.model.effects if isinstance(each, ChannelLag) and each.signal == "tau"]
-    return [of_lag_shape(equations, each) for each in lags if not each.is_neutral]
+    errors = [each for each in equations.model.effects if isinstance(each, SensorEffect) and each.signal == "tau"]
+    return [of_lag_shape(equations, each) for each in errors if each.lateness > 0.0]
 
 
 def prepared(

@@ -68,7 +68,7 @@ def _unusual(candidate: Candidate, effects: Collection[Effect]) -> bool:
     where = {key: name for key, name in place.items() if key != "effect"}
     there = [each for each in effects if all(getattr(each, key, None) == name for key, name in where.items())]
     return any(each.name in alike or candidate.kind in (*each.contains, *each.plainer) for each in there) or (
-        candidate.kind == "channel_lag" and not place["channel"].startswith("tau")
+        bool(candidate.law.late_by) and not place.get("channel", "tau").startswith("tau")
     )
 
 

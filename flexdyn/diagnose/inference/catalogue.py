@@ -12,25 +12,14 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import applied_torque, joint_terms, of_joint
 from flexdyn.diagnose.hypothesis.own_effects import own_effects
-from flexdyn.diagnose.hypothesis.proposal import Point, Proposal, declared, extent_of, given
+from flexdyn.diagnose.hypothesis.proposal import Point, Proposal, declared, extent_of
 from flexdyn.diagnose.hypothesis.proposals import proposals
-from flexdyn.effects import ChannelLag, Effect, JointEffect, catalogue
-
-DELAYS = (0.0005, 0.001, 0.002, 0.004, 0.008)
-"""Grid of delays of channels [s]: a sample of a fast drive to that of a slow bus."""
+from flexdyn.effects import Effect, JointEffect, SensorEffect, catalogue
 
 
 def everything(equations: Equations) -> list[Proposal]:
-    """Every effect of the catalogue and of users that the model does not hold yet.
-
-    A lag is no small change where a spring is stiff, so it is taken on a grid; the recorded torque may lag as well.
-    """
-    true = equations.true
-    there = {"q": equations.data[0].has_q, "theta": equations.data[0].has_theta}
-    channels = [f"{s}.{name}" for j, name in enumerate(true.joint_names) for s in there if there[s][j]]
-    channels += [f"tau.{name}" for name in true.joint_names]
-    lags = [given({"effect": ChannelLag.name, "channel": c}, ("delay",), [(d,) for d in DELAYS]) for c in channels]
-    found = [*proposals(equations), *lags, *_loaded(equations), *own_effects(equations)[0]]
+    """Every effect of the catalogue and of users that the model does not hold yet."""
+    found = [*proposals(equations), *_loaded(equations), *own_effects(equations)[0]]
     return [each for each in found if not any(each.is_of(effect) for effect in equations.model.effects)]
 
 
@@ -58,7 +47,7 @@ def _of_effect(equations: Equations, effect: Effect, scale: float) -> Array:
     Effects on the torque are computed from the torque that the model needs, because the noise of the recorded one is in
     the residual too (errors in variables). Laws that limit the torque are the exception: the lost part is not needed.
     """
-    if isinstance(effect, ChannelLag) and effect.signal == "tau":
+    if isinstance(effect, SensorEffect) and effect.late_by and effect.signal == "tau":
         return _of_late_torque(equations, effect) / scale
     if not isinstance(effect, JointEffect):
         return columns.of_effect(equations, effect, scale)
@@ -82,12 +71,12 @@ def _of_loaded(equations: Equations, effect: JointEffect) -> Array:
     return equations.of_torque(j, friction)
 
 
-def _of_late_torque(equations: Equations, effect: ChannelLag) -> Array:
+def _of_late_torque(equations: Equations, effect: SensorEffect) -> Array:
     j = equations.true.index(effect.joint)
 
     def earlier(along: SmoothedMotion) -> tuple[str, Array]:
         needed = equations.needed(along, j)
-        return "motor", np.interp(along.t + effect.delay, along.t, needed) - needed
+        return "motor", np.interp(along.t + effect.lateness, along.t, needed) - needed
 
     return equations.of_torque(j, earlier)
 

@@ -27,7 +27,7 @@ from flexdyn.diagnose.inference.priors import (
 )
 from flexdyn.diagnose.inference.sizes import Sizes
 from flexdyn.diagnose.lazy import lazy
-from flexdyn.effects import Effect, TorqueConstantError, registered
+from flexdyn.effects import Effect, registered
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,8 @@ class ColumnMaker:
         scale = EFFECT_TORQUE_SHARE / np.maximum(largest, self._given_size(proposal, point, largest))
         scale = np.array([natural_spread(proposal.place["effect"], float(each)) for each in scale])
         signs = np.array([*proposal.positive, *[False] * width][:width])
-        gained = sizes.rows_of(proposal.place["joint"]) if proposal.place["effect"] == TorqueConstantError.name else 0
+        scales = registered()[proposal.place["effect"]].scales_torque
+        gained = sizes.rows_of(proposal.place["joint"]) if scales else 0
         units = zip(proposal.units(point), largest.tolist(), strict=True)
         smallest = min(sizes.smallest(effect, size * most) for (effect, size), most in units)
         least = max(smallest, sizes.resolution(proposal.place) * float(largest.max()))

@@ -147,7 +147,7 @@ def _in_tolerance(fitted: Hypothesis, start: Hypothesis) -> Hypothesis:
 
 def _compared(space: Space, stands: Structure) -> Structure:
     """The best structure at a linearisation, under the model error that it leaves."""
-    space.under(_nothing(space))
+    space.under(_no_model_error(space))
     space.under(ModelError.of(space.left(stands), space.seen))
     best, seen = stands, set[Structure]()
     for _ in range(MODEL_ERROR_ROUNDS):
@@ -159,7 +159,7 @@ def _compared(space: Space, stands: Structure) -> Structure:
     return best
 
 
-def _nothing(space: Space) -> ModelError:
+def _no_model_error(space: Space) -> ModelError:
     """No model error: what is left is the sensors' noise."""
     one = np.ones(len(space.seen.count))
     return ModelError(one, one, space.seen.count)

@@ -15,7 +15,6 @@ from flexdyn.diagnose.inference.refinement import refined
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_prior import log_harmonic, odds_of
 from flexdyn.diagnose.progress import check
-from flexdyn.effects import ChannelLag, CommandDelay
 
 OCCAM_WINDOW = math.log(1000.0)
 """Occam's window: structures less likely than the best by more than this factor are not explored (Madigan, 1994)."""
@@ -121,9 +120,9 @@ def _undo(one: tuple[str, str], other: tuple[str, str], late: Collection[tuple[s
 
 def _late(candidate: Candidate) -> tuple[str, str] | None:
     """Which signal comes late, and of which joint, if any."""
-    if candidate.proposal is None or candidate.kind not in (CommandDelay.name, ChannelLag.name):
+    if candidate.proposal is None or not candidate.law.late_by:
         return None
-    asked = candidate.kind == CommandDelay.name
+    asked = candidate.law.stage == "actuator"
     return "asked" if asked else candidate.place["channel"].partition(".")[0], candidate.proposal.joint
 
 

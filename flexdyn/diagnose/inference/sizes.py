@@ -16,7 +16,7 @@ from flexdyn.diagnose.equations.terms import of_joint, spring_torque
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.lazy import lazy
-from flexdyn.effects import CommandDelay, Effect, JointEffect, TorqueConstantError, registered
+from flexdyn.effects import Effect, JointEffect, registered
 
 LEAST_DAMPING_RATIO = 0.01
 """Damping ratio of a joint's vibration from which a damping of its transmission is an effect [1]: the vibration loses
@@ -130,7 +130,7 @@ class Sizes:
         j = self.equations.true.index(place.get("joint") or joint)
         steps = {each: float(np.sqrt(12.0) * of[j]) for each, of in (("q", self.noise.q), ("theta", self.noise.theta))}
         own = {signal: steps[signal]} if signal in steps else steps
-        if "harmonic" not in {each.name for each in kind.parameters()}:
+        if not kind.periodic:
             return max(own.values())
         passed = {each: max(self._passed(each, j, step), 1.0) for each, step in own.items()}
         return max(step * min(1.0, 2.0 / math.sqrt(passed[each])) for each, step in own.items())
@@ -158,10 +158,10 @@ class Sizes:
         The rows are measured in recorded torque. Where a law cuts it off, it may be anything beyond: its density is
         then one over its range, not one over its noise.
         """
-        if isinstance(effect, TorqueConstantError):
-            return self.rows_of(effect.joint) * float(np.log(max(1.0 + effect.gain, 0.01)))
-        if not isinstance(effect, JointEffect) or effect.stage != "actuator" or isinstance(effect, CommandDelay):
+        if not isinstance(effect, JointEffect) or effect.stage != "actuator" or effect.late_by:
             return 0.0
+        if effect.scales_torque:
+            return self.rows_of(effect.joint) * float(np.log(max(1.0 + effect.torque_gain, 0.01)))
         j, total = self.equations.true.index(effect.joint), 0.0
         rows = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
         floor = self.noise.tau[j] / self.reference[rows[0]]

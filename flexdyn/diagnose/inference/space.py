@@ -18,7 +18,7 @@ from flexdyn.diagnose.inference.priors import EVERY_MOTOR
 from flexdyn.diagnose.inference.structure_prior import log_harmonic, log_places
 from flexdyn.diagnose.inference.torque_shares import contained, share_apart, torque_share
 from flexdyn.diagnose.lazy import lazy
-from flexdyn.effects import Effect, TorqueConstantError
+from flexdyn.effects import Effect, JointEffect
 
 Structure = frozenset[tuple[int, int]]
 """Candidates that a structure holds, each with its grid point."""
@@ -233,14 +233,15 @@ class Space:
             * (1.0 - self._in_slopes(c))
             for effect in effects
             for c, each in enumerate(self.candidates)
-            if isinstance(effect, TorqueConstantError)
+            if isinstance(effect, JointEffect)
+            and effect.scales_torque
             and (each.kind, each.place.get("joint")) == (effect.name, effect.joint)
         )
 
     def _in_slopes(self, c: int) -> float:
         """Share of the noise that a candidate scales which the slopes contain [1]: only a gain scales all of it."""
         candidate = self.candidates[c]
-        if candidate.kind != TorqueConstantError.name:
+        if not candidate.law.scales_torque:
             return 1.0
         return float(self.noise_in_slopes[self.matrix.of[int(candidate.columns[0][0])]])
 

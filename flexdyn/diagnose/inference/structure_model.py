@@ -10,7 +10,7 @@ import numpy as np
 from flexdyn.diagnose.hypothesis.hypothesis import LEAST_FACTOR, Hypothesis, bounded
 from flexdyn.diagnose.hypothesis.linear import tangent_scale
 from flexdyn.diagnose.inference.space import Space, Structure
-from flexdyn.effects import Effect, JointEffect, JointElasticity
+from flexdyn.effects import Effect, JointEffect
 from flexdyn.model.uncertain_parameters import FileNumber
 
 
@@ -19,7 +19,7 @@ def waits(space: Space, c: int) -> bool:
     candidate, true = space.candidates[c], space.library.equations.true
     if candidate.law.takes_load:
         return not true.elastic[true.index(candidate.place["joint"])]
-    return candidate.kind == JointElasticity.name
+    return bool(candidate.law.makes_elastic)
 
 
 def hypothesis_of(space: Space, structure: Structure, *, whole: bool = False, share: float = 1.0) -> Hypothesis:
@@ -92,7 +92,7 @@ def _softened(space: Space, structure: Structure, effects: list[Effect]) -> list
     Where no compliance of the joint was compared, such friction is left out.
     """
     true = space.library.equations.true
-    soft = {each.joint for each in effects if isinstance(each, JointElasticity)}
+    soft = {each.joint for each in effects if isinstance(each, JointEffect) and each.makes_elastic}
     rigid = {name for name, elastic in zip(true.joint_names, true.elastic, strict=True) if not elastic} - soft
     loaded = [each for each in effects if isinstance(each, JointEffect) and each.takes_load and each.joint in rigid]
     for joint in sorted({each.joint for each in loaded}):
@@ -104,13 +104,13 @@ def _softened(space: Space, structure: Structure, effects: list[Effect]) -> list
     return effects
 
 
-def _stiffest(space: Space, structure: Structure, joint: str) -> JointElasticity | None:
+def _stiffest(space: Space, structure: Structure, joint: str) -> Effect | None:
     """The elasticity of a joint one standard deviation above the compliance that suits the data best."""
-    place = {"effect": JointElasticity.name, "joint": joint}
-    c = next((c for c, other in enumerate(space.candidates) if place.items() <= other.place.items()), None)
+    of_joint = (c for c, other in enumerate(space.candidates) if other.place.get("joint") == joint)
+    c = next((c for c in of_joint if space.candidates[c].law.makes_elastic), None)
     if c is None:
         return None
     estimate = space.gram.estimate(space.columns(structure | {(c, 0)}))
     k = int(np.flatnonzero(estimate.columns == space.candidates[c].columns[0][0])[0])
     compliance = max(float(estimate.mean[k]), 0.0) + float(np.sqrt(estimate.covariance[k, k]))
-    return JointElasticity(joint, stiffness=1.0 / compliance)
+    return space.candidates[c].effect(0, np.array([compliance]))

@@ -10,7 +10,7 @@ from flexdyn.checks import check_known
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import told
 from flexdyn.diagnose.report.suspects import ESTABLISHED, Suspect, ranks
-from flexdyn.diagnose.report.words import is_number
+from flexdyn.diagnose.report.words import is_number, names_number
 from flexdyn.effects import SensorEffect, catalogue
 from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -76,7 +76,7 @@ def known_suspects(diagnosis: Diagnosis) -> list[Suspect]:
     numbers = {target_of(suspect) for suspect in known}
     for number in diagnosis.calibration:
         joint = number.of if number.of in diagnosis.model.joint_names else None
-        moved = Suspect("parameter_error", joint, None, {}, {"of": number.of, "parameter": number.parameter})
+        moved = Suspect.of_number(number.of, number.parameter, joint)
         if target_of(moved) not in numbers:
             known.append(moved)
     return known
@@ -94,7 +94,7 @@ def resolved(diagnosis: Diagnosis, target: str) -> list[Suspect]:
         return found
     check_target(diagnosis.model, target)
     numbers = [target_of(each) for each in known if is_number(each)]
-    if target.startswith("parameter_error@") and numbers:
+    if "@" in target and names_number(target.partition("@")[0]) and numbers:
         raise InputError("no such number was compared", key=KEY, value=target, remedy=did_you_mean(target, numbers))
     return []
 
@@ -107,7 +107,7 @@ def check_target(model: FlexibleJointModel, target: str) -> None:
     """
     effect, at, where = target.partition("@")
     check_known(effect, catalogue(), "no such effect", key=KEY, value=effect)
-    if not at or effect == "parameter_error":
+    if not at or names_number(effect):
         return
     places = list(model.joint_names)
     if issubclass(catalogue()[effect], SensorEffect):

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from flexdyn.arrays import Array
 from flexdyn.control.commands import PD
+from flexdyn.effects import ParameterError
 from flexdyn.io.locked import Locked
 
 ESTABLISHED = 0.95
@@ -93,6 +95,19 @@ class Suspect:
     parameters: Mapping[str, Number] = field(default_factory=dict)
     place: Mapping[str, str] = field(default_factory=dict)
     probability: float = math.nan
+
+    @classmethod
+    def of_number(cls, of: str, parameter: str, joint: str | None, side: str | None = None, **more: Any) -> Suspect:
+        """A number of the model that may be wrong.
+
+        Args:
+            of: joint, link or ``effects[i]`` that it belongs to.
+            parameter: its name.
+            joint: that it belongs to, if any.
+            side: likewise.
+            more: `parameters` and `probability`.
+        """
+        return cls(ParameterError.name, joint, side, place={"of": of, "parameter": parameter}, **more)
 
     @property
     def key(self) -> Key:

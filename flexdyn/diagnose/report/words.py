@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Sequence
 
 from flexdyn.diagnose.report.digits import probability_text, relative, rounded
 from flexdyn.diagnose.report.measures import RecordingSpan
 from flexdyn.diagnose.report.suspects import Finding, Suspect
+from flexdyn.effects import registered
 from flexdyn.effects.model_error import effect_place
+from flexdyn.effects.traits import article
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-UNCOUNTED = ("friction", "damping", "elasticity", "drag", "backlash", "hysteresis", "ripple", "eccentricity")
-"""What an effect's name ends with where it takes no article."""
 SIDES = {
     "link": "on the link side of",
     "motor": "on the motor side of",
@@ -40,7 +39,7 @@ def finding_phrase(model: FlexibleJointModel, finding: Finding, *, each: bool = 
     if not alike:
         return ", or ".join([f"{suspect_phrase(model, finding.suspect)}{_own(finding.suspect, several)}", *others])
     names = " or ".join(f"{effect_name(one.effect)}{_own(one, several)}" for one in (finding.suspect, *alike))
-    return ", or ".join([f"{article(finding.suspect.effect)}{names} {here}".strip(), *others])
+    return ", or ".join([f"{article(effect_name(finding.suspect.effect))}{names} {here}".strip(), *others])
 
 
 def in_one_place(model: FlexibleJointModel, finding: Finding) -> list[Suspect]:
@@ -56,7 +55,7 @@ def suspect_phrase(model: FlexibleJointModel, suspect: Suspect) -> str:
     if is_number(suspect):
         factor = suspect.parameters.get("factor")
         return f"a wrong {where}{'' if factor is None else f' ({relative(factor.value)})'}"
-    return f"{article(suspect.effect)}{effect_name(suspect.effect)} {where}".strip()
+    return f"{article(effect_name(suspect.effect))}{effect_name(suspect.effect)} {where}".strip()
 
 
 def plain_phrase(phrase: str) -> str:
@@ -91,19 +90,18 @@ def joined(phrases: Sequence[str]) -> str:
 
 def is_number(suspect: Suspect) -> bool:
     """Whether it is a number of the model file that is wrong, which reads in another order."""
-    return suspect.effect == "parameter_error"
+    return names_number(suspect.effect)
 
 
-def article(effect: str) -> str:
-    """``a `` or ``an `` where the effect's name takes it."""
-    if effect.endswith(UNCOUNTED):
-        return ""
-    return "an " if effect[:1] in "aeiou" else "a "
+def names_number(effect: str) -> bool:
+    """Whether an effect of this name says that a number of the model file is wrong."""
+    return effect in registered() and registered()[effect].stage == "model"
 
 
 def effect_name(effect: str) -> str:
-    """``stribeck_friction`` as it is written in a sentence."""
-    return re.sub(r"\b(stribeck|coulomb)\b", lambda name: name[0].capitalize(), effect.replace("_", " "))
+    """``stribeck_friction`` as it is written in a sentence: as its class says, else with spaces."""
+    kind = registered().get(effect)
+    return (kind.words if kind else "") or effect.replace("_", " ")
 
 
 def capital(text: str) -> str:

@@ -7,12 +7,13 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any
 
 from flexdyn.diagnose.report.document import document
 from flexdyn.diagnose.report.page import page
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.effects import Effect, ParameterError
+from flexdyn.effects import Effect
+from flexdyn.effects.model_error import is_number_error
 from flexdyn.errors import InputError, printable
 from flexdyn.io.files import replacing
 from flexdyn.io.json_text import json_text
@@ -87,7 +88,7 @@ def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:
     model, links = _links_folded(model)
     of_urdf = [effect for effect in model.effects if _is_of_urdf(effect)]
     true = model.replace(effects=_without(model, of_urdf)).resolved()
-    kept = [effect for effect in true.effects if not isinstance(effect, ParameterError)]
+    kept = [effect for effect in true.effects if not is_number_error(effect)]
     content = model_to_dict(true.replace(effects=kept, tolerance=_tolerance(model)), folder)
     if links:
         content["links"] = links
@@ -105,21 +106,20 @@ def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:
 
 def _links_folded(model: FlexibleJointModel) -> tuple[FlexibleJointModel, dict[str, Any]]:
     """The model without its own inertias of links, and the corrected values of these, which the URDF does not have."""
-    errors = [e for e in model.effects if isinstance(e, ParameterError) and e.of in model.links]
-    errors = [e for e in errors if e.parameter == "link_inertia"]
+    errors = [e for e in model.effects if is_number_error(e) and e.of in model.links and e.parameter == "link_inertia"]
     factors = {link: number["inertia"] for link, number in factors_of(errors, {"link_inertia": "inertia"}).items()}
     true = {link: {"inertia": factors.get(link, 1.0) * number.value} for link, number in model.links.items()}
     return model.replace(effects=_without(model, errors), links=None), true
 
 
-def _without(model: FlexibleJointModel, errors: Sequence[ParameterError]) -> list[Effect]:
+def _without(model: FlexibleJointModel, errors: Sequence[Effect]) -> list[Effect]:
     """Effects of a model in which these errors are none, in their places."""
     return [effect.replace(factor=1.0) if effect in errors else effect for effect in model.effects]
 
 
-def _is_of_urdf(effect: Effect) -> TypeGuard[ParameterError]:
+def _is_of_urdf(effect: Effect) -> bool:
     """Whether it says that a number of the URDF is wrong."""
-    if not isinstance(effect, ParameterError):
+    if not is_number_error(effect):
         return False
     return effect.parameter in OF_LINK or (effect.parameter in OF_URDF and not effect.of.startswith("effects["))
 

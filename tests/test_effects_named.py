@@ -1,0 +1,84 @@
+"""Code outside flexdyn/effects asks what an effect declares, and names no single one: users' effects count as well."""
+
+from __future__ import annotations
+
+import ast
+import functools
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import flexdyn
+from flexdyn.effects import base, catalogue
+
+PACKAGE = Path(flexdyn.__file__).parent
+OWN = ("effects", "paper", "core")
+"""Folders that may name effects: their own, the study of the paper, whose model is a list of effects, and the C++."""
+MAKES = {
+    "analysis/steady_curve.py": "fits a curve that is the sum of these laws, with slopes in closed form",
+    "cli/examples.py": "each example hides an effect of its choice",
+    "cli/health.py": "checks a motion with friction that has a closed form",
+    "cli/info.py": "the key payload of its document is a word and no effect",
+    "diagnose/experiment/reach.py": "hangs a known mass at the tip",
+    "diagnose/hypothesis/hypothesis.py": "has an offset of about a count for every encoder, which is no finding",
+    "diagnose/report/suspects.py": "tells a number of the file that is wrong as an effect",
+    "model/actuator.py": "makes the laws of a motor under voltage from its data sheet",
+    "model/resolved_parameters.py": "applies errors of numbers to the numbers",
+    "model/uncertain_parameters.py": "makes the error of a number of the file",
+    "model/urdf_dynamics.py": "makes friction of the URDF's <dynamics>",
+    "simulation/limits.py": "makes effects of the URDF's <limit>",
+}
+"""Files that name single effects -> why: nearly all of them because they make effects of something else."""
+FILES = sorted(path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] not in OWN)
+
+
+@functools.cache
+def single_effects() -> frozenset[str]:
+    """Names of flexdyn's classes of which no other class of flexdyn is a kind."""
+
+    def leaves(kind: type[base.Effect]) -> Iterator[str]:
+        own = [each for each in kind.__subclasses__() if each.__module__.startswith("flexdyn.effects")]
+        if not own:
+            yield kind.__name__
+        for each in own:
+            yield from leaves(each)
+
+    return frozenset(leaves(base.Effect))
+
+
+@functools.cache
+def in_text() -> re.Pattern[str]:
+    """The name of an effect, as model files have it, as a word."""
+    own = [name for name, kind in catalogue().items() if kind.__module__.startswith("flexdyn.")]
+    return re.compile(rf"\b({'|'.join(own)})\b")
+
+
+def named(path: Path) -> set[str]:
+    """Single effects that code names: classes, and strings without a space; a sentence for a person may name them."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        word = getattr(node, "id", None) or getattr(node, "attr", None)
+        if isinstance(node, ast.Name | ast.Attribute) and word in single_effects():
+            found.add(str(word))
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and " " not in node.value:
+            found |= {match[1] for match in in_text().finditer(node.value)}
+    return found
+
+
+def test_the_kinds_are_no_single_effects() -> None:
+    """There is something to look for: laws of the catalogue and of motors, and not their bases."""
+    own = {kind.__name__ for kind in catalogue().values() if kind.__module__.startswith("flexdyn.")}
+    assert own <= single_effects()
+    assert "MotorTorque" in single_effects()
+    assert not {"JointEffect", "SensorEffect", "MemoryEffect", "CouplingEffect", "WaveEffect"} & single_effects()
+
+
+@pytest.mark.parametrize("folder", sorted({path.relative_to(PACKAGE).parts[0] for path in FILES}))
+def test_code_names_no_single_effect(folder: str) -> None:
+    """It asks for a property that the class declares; every listed file needs its entry."""
+    inside = [path for path in FILES if path.relative_to(PACKAGE).parts[0] == folder]
+    naming = {path.relative_to(PACKAGE).as_posix(): found for path in inside if (found := named(path))}
+    assert not {file: found for file, found in naming.items() if file not in MAKES}
+    assert {file for file in MAKES if file.split("/")[0] == folder} <= naming.keys()
