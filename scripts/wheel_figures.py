@@ -5,7 +5,8 @@
 scripts/release.sh builds each wheel in a copy of what is committed. Every trial begins with nothing: no environment, no
 cache, and no program on the path but those of the environment that it makes. It installs the wheel with all extras from
 wheels alone, and makes the paper's study; these are timed. Then scripts/wheel_check.py tests the installation. The
-wheel of the first Python is tried by uv too, and with the oldest libraries that it accepts. Exit code 1: one failed.
+wheel of the first Python is tried by uv too, and with the oldest libraries that it accepts. The results are written
+after each Python. Exit code 1: one trial failed.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import sys
 import tempfile
 import time
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,7 @@ VERSIONS = (
     "import json, platform; from importlib.metadata import version;"
     f"print(json.dumps([platform.python_version(), {{name: version(name) for name in {LIBRARIES}}}]))"
 )
+TAG = "import sys; print(f'cp{sys.version_info[0]}{sys.version_info[1]}')"
 
 
 class Failed(Exception):
@@ -59,11 +61,17 @@ def done(words: Sequence[str | Path], where: Path, environ: Mapping[str, str]) -
 
 
 def built(python: str, checkout: Path, folder: Path) -> tuple[Path, Path]:
-    """The wheel for a Python and the source archive that it was built from, moved into a folder."""
-    words = ["bash", "scripts/release.sh"]
-    subprocess.run(words, cwd=checkout, env=os.environ | {"PYTHON": python}, check=True)
-    (wheel,), (archive,) = (checkout / "dist").glob("*.whl"), (checkout / "dist").glob("*.tar.gz")
-    return shutil.move(wheel, folder / wheel.name), shutil.move(archive, folder / archive.name)
+    """The wheel for a Python and the source archive that it was built from, in a folder; built if they are not there."""
+    tag = subprocess.run([python, "-c", TAG], capture_output=True, text=True, check=True).stdout.strip()
+    if not list(folder.glob(f"*-{tag}-*.whl")):
+        if not checkout.is_dir():
+            clone: list[str | Path] = ["git", "clone", "--quiet", ROOT, checkout]
+            subprocess.run(clone, check=True)
+        words = ["bash", "scripts/release.sh"]
+        subprocess.run(words, cwd=checkout, env=os.environ | {"PYTHON": python}, check=True)
+        shutil.copytree(checkout / "dist", folder, dirs_exist_ok=True)
+    (wheel,), (archive,) = folder.glob(f"*-{tag}-*.whl"), folder.glob("*.tar.gz")
+    return wheel, archive
 
 
 def oldest(project: Mapping[str, Any]) -> list[str]:
@@ -121,18 +129,21 @@ def size(place: Path) -> float:
     return sum(path.lstat().st_size for path in files) / 1e6
 
 
-def figures(pythons: Sequence[str]) -> dict[str, Any]:
-    """Build and try; what the result file writes."""
+def figures(pythons: Sequence[str], folder: Path) -> Iterator[dict[str, Any]]:
+    """Build and try; what the result file writes, so far, after each Python.
+
+    Args:
+        pythons: programs.
+        folder: with the wheels that are built already; the others are put there.
+    """
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    promised = ["3." + name.removeprefix("cp3").removesuffix("-*") for name in project["tool"]["cibuildwheel"]["build"]]
     files: dict[str, float] = {}
     trials: list[dict[str, Any]] = []
     uv = shutil.which("uv", path=str(Path(sys.executable).parent)) or shutil.which("uv")
-    with tempfile.TemporaryDirectory() as folder:
-        checkout = Path(folder) / "checkout"
-        clone: list[str | Path] = ["git", "clone", "--quiet", ROOT, checkout]
-        subprocess.run(clone, check=True)
+    with tempfile.TemporaryDirectory() as place:
         for number, python in enumerate(pythons):
-            wheel, archive = built(python, checkout, Path(folder))
+            wheel, archive = built(python, Path(place) / "checkout", folder)
             files |= {archive.name: size(archive), wheel.name: size(wheel)}
             ways: list[tuple[Sequence[str], Path | None]] = [((), None)]
             if number == 0:
@@ -140,24 +151,29 @@ def figures(pythons: Sequence[str]) -> dict[str, Any]:
             for asked, by in ways:
                 trials.append(tried(python, wheel, asked, by))
                 print(trials[-1], file=sys.stderr, flush=True)
-    promised = ["3." + name.removeprefix("cp3").removesuffix("-*") for name in project["tool"]["cibuildwheel"]["build"]]
-    seen = {row["python"].rpartition(".")[0] for row in trials}
-    not_tried = [f"Python {version}" for version in promised if version not in seen] + list(ELSEWHERE)
-    return {"files": files, "trials": trials, "not_tried": not_tried}
+            seen = {row["python"].rpartition(".")[0] for row in trials}
+            not_tried = [f"Python {version}" for version in promised if version not in seen]
+            yield {"files": files, "trials": trials, "not_tried": [*not_tried, *ELSEWHERE]}
 
 
 def main() -> int:
     """Build, try, print, write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("pythons", nargs="+", help="programs, the first one is tried with the oldest libraries too")
+    parser.add_argument("--built", type=Path, help="a folder with source archive and wheels, for those that are there")
     parser.add_argument("-o", "--output", type=Path, help="a file for the results")
     given = parser.parse_args()
-    content = figures([shutil.which(python) or python for python in given.pythons])
-    print(wheels_table(content))
-    failed = sum(row["problem"] is not None for row in content["trials"])
-    names = " ".join(Path(python).name for python in given.pythons)
-    command = f"python scripts/wheel_figures.py {names}"
-    return conclude([Bound("trials that failed", failed, 0)], given.output, command, content)
+    pythons = [shutil.which(python) or python for python in given.pythons]
+    code = 0
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place) if given.built is None else given.built.resolve()
+        for number, content in enumerate(figures(pythons, folder), start=1):
+            print(wheels_table(content))
+            failed = sum(row["problem"] is not None for row in content["trials"])
+            names = " ".join(Path(python).name for python in pythons[:number])
+            command = f"python scripts/wheel_figures.py {names}"
+            code = conclude([Bound("trials that failed", failed, 0)], given.output, command, content)
+    return code
 
 
 if __name__ == "__main__":
