@@ -61,7 +61,7 @@ def done(words: Sequence[str | Path], where: Path, environ: Mapping[str, str]) -
 
 
 def built(python: str, checkout: Path, folder: Path) -> tuple[Path, Path]:
-    """The wheel for a Python and the source archive that it was built from, in a folder; built if they are not there."""
+    """The wheel for a Python and the source archive that it was built from, in a folder; made if not there."""
     tag = subprocess.run([python, "-c", TAG], capture_output=True, text=True, check=True).stdout.strip()
     if not list(folder.glob(f"*-{tag}-*.whl")):
         if not checkout.is_dir():
@@ -94,17 +94,18 @@ def tried(python: str, wheel: Path, asked: Sequence[str], uv: Path | None) -> di
         own = place / "env" / "bin"
         bare = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
         bare |= {"PATH": str(own), "HOME": folder, **({} if uv is None else as_pip_is_set())}
-        wanted = ["--only-binary", ":all:", f"{wheel}[all]", *asked]
+        wanted: list[str | Path] = ["--only-binary", ":all:", f"{wheel}[all]", *asked]
         if uv is None:
             make: list[str | Path] = [python, "-m", "venv", "env"]
-            install = [own / "pip", "install", "--quiet", "--no-cache-dir", *wanted]
+            install: list[str | Path] = [own / "pip", "install", "--quiet", "--no-cache-dir", *wanted]
         else:
             make = [uv, "venv", "--quiet", "--python", python, "env"]
             install = [uv, "pip", "install", "--quiet", "--no-cache", "--python", own / "python", *wanted]
+        study: list[str | Path] = [own / "flexdyn", "paper", "-o", "paper"]
         row: dict[str, Any] = {"by": "pip" if uv is None else "uv", "oldest": bool(asked), "problem": None}
         try:
             before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-            for words in (make, install, [own / "flexdyn", "paper", "-o", "paper"]):
+            for words in (make, install, study):
                 done(words, place, bare)
             after, row["seconds"] = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic() - begin
             row["computing"] = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
@@ -147,7 +148,8 @@ def figures(pythons: Sequence[str], folder: Path) -> Iterator[dict[str, Any]]:
             files |= {archive.name: size(archive), wheel.name: size(wheel)}
             ways: list[tuple[Sequence[str], Path | None]] = [((), None)]
             if number == 0:
-                ways += [((), Path(uv))] * bool(uv) + [(oldest(project), None)]
+                ways += [((), Path(uv))] if uv else []
+                ways.append((oldest(project), None))
             for asked, by in ways:
                 trials.append(tried(python, wheel, asked, by))
                 print(trials[-1], file=sys.stderr, flush=True)
