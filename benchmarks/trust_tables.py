@@ -71,13 +71,41 @@ def slowest_table(results: Mapping[str, Any]) -> str:
 def long_runs_table(results: Mapping[str, Any]) -> str:
     """Memory and time of much work, early on and at its end."""
     head = ["work", "how much", "memory after 20 %, MB", "at the end, MB", "of it the run's own data, MB"]
-    head += ["CPU a unit after 20 %, ms", "at the end, ms"]
+    head += ["CPU of a unit, last tenth / second tenth"]
     body = [
-        [row["name"], row["units"], *(f"{each:.1f}" for each in (*row["memory"], row["kept"]))]
-        + [f"{1e3 * each:.3g}" for each in row["cost"]]
+        [
+            *(row[key] for key in ("name", "units")),
+            *(f"{each:.1f}" for each in (*row["memory"], row["kept"])),
+            f"{row['cost'][1] / row['cost'][0]:.2f}",
+        ]
         for row in results["rows"]
     ]
     return markdown_table(head, body, text=2)
+
+
+def long_pages_table(results: Mapping[str, Any]) -> str:
+    """What a long motion costs in a diagnosis and its pages in a browser, each beside the shorter one."""
+    rows: Sequence[Mapping[str, Any]] = results["rows"]
+    first, lengths = rows[0], [f"{row['seconds']:,.0f} s" for row in rows]
+    head = ["", "", *lengths, "times"]
+    body = [
+        _beside("diagnosis", "memory, MB", [row["memory"] for row in rows]),
+        _beside("diagnosis", "computing", [row["computing"] for row in rows], times_alone=True),
+    ]
+    for name in first["pages"]:
+        pages = [row["pages"][name] for row in rows]
+        body += [
+            _beside(name, "size, MB", [page["megabytes"] for page in pages]),
+            _beside(name, "browser's memory, MB", [page["memory"] for page in pages]),
+            _beside(name, "computing until drawn", [page["computing"] for page in pages], times_alone=True),
+        ]
+    return markdown_table(head, body, text=2)
+
+
+def _beside(name: str, what: str, found: Sequence[float], *, times_alone: bool = False) -> list[str]:
+    """One quantity for every length, and the last over the first; seconds of a busy machine would say little."""
+    shown = ["" if times_alone else f"{each:,.1f}" for each in found]
+    return [name, what, *shown, f"{found[-1] / found[0]:.2f}"]
 
 
 def random_runs_table(results: Mapping[str, Any]) -> str:

@@ -44,11 +44,13 @@ from result_tables import (  # noqa: E402
 from trust_tables import (  # noqa: E402
     fuzz_table,
     growth_table,
+    long_pages_table,
     long_runs_table,
     random_runs_table,
     sanitizers_table,
     slowest_table,
 )
+from wheels_table import wheels_table  # noqa: E402
 
 MARKER = re.compile(r"<!-- (/?)table:(\w+) -->")
 
@@ -117,12 +119,14 @@ OF_RESULTS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "fuzz": ("fuzz", fuzz_table),
     "libraries": ("libraries", libraries_table),
     "lines": ("lines", lines_table),
+    "long_pages": ("long_pages", long_pages_table),
     "long_runs": ("long_runs", long_runs_table),
     "random_growth": ("random_growth", growth_table),
     "random_runs": ("random_runs", random_runs_table),
     "rates": ("rates", rates_table),
     "sanitizers": ("sanitizers", sanitizers_table),
     "slowest_files": ("slowest_files", slowest_table),
+    "wheels": ("wheels", wheels_table),
 }
 """Tables of one result file: the file, and what makes the table of it. Without the file there is no table."""
 

@@ -59,6 +59,7 @@ TABLES = [
     "fuzz",
     "libraries",
     "lines",
+    "long_pages",
     "long_runs",
     "measured",
     "measured_names",
@@ -67,6 +68,7 @@ TABLES = [
     "rates",
     "robots",
     "slowest_files",
+    "wheels",
 ]
 
 

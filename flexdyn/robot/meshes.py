@@ -7,13 +7,16 @@ import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote
 
 import numpy as np
 import pinocchio as pin
 
+from flexdyn.errors import InputError
 from flexdyn.robot.joints import RobotJoint
-from flexdyn.robot.links import Link
+from flexdyn.robot.links import Link, Visual
+from flexdyn.robot.mesh_file import Mesh, read_mesh
 from flexdyn.robot.names import example_data_dir
 from flexdyn.robot.text import urdf_text
 
@@ -157,15 +160,21 @@ def visual_model(model: pin.Model, links: Sequence[Link], joints: Sequence[Robot
         warnings.warn(f"{text} {large[0]!r}; reduce its triangles", MeshWarning, stacklevel=3)
     if not links:
         return pin.GeometryModel()
-    try:
-        return pin.buildGeomFromUrdfString(model, urdf_text(links, joints), pin.GeometryType.VISUAL)
-    except (ValueError, RuntimeError):
-        readable, unread = _readable(links)
-    if not unread:
-        raise RuntimeError("Pinocchio refused the shapes of the robot though every mesh can be read")
-    text = f"{len(unread)} meshes cannot be read and are left out of the picture; the first is {unread[0]!r}"
-    warnings.warn(text, MeshWarning, stacklevel=3)
-    return pin.buildGeomFromUrdfString(model, urdf_text(readable, joints), pin.GeometryType.VISUAL)
+    links, shapes, unread = _read(links)
+    if unread:
+        text = f"{len(unread)} meshes cannot be read and are left out of the picture; the first is {unread[0]}"
+        warnings.warn(text, MeshWarning, stacklevel=3)
+    # Pinocchio's reader would read the meshes in this process, so it gets a box in the place of each.
+    boxed = [replace(link, visuals=tuple(_boxed(visual) for visual in link.visuals)) for link in links]
+    geometry = pin.buildGeomFromUrdfString(model, urdf_text(boxed, joints), pin.GeometryType.VISUAL)
+    for name, (visual, shape) in shapes.items():
+        entry = geometry.geometryObjects[geometry.getGeometryId(name)]
+        entry.geometry, entry.meshPath, entry.meshScale = shape, visual.mesh, np.array(visual.size)
+    return geometry
+
+
+def _boxed(visual: Visual) -> Visual:
+    return replace(visual, shape="box", size=(1.0, 1.0, 1.0), mesh="") if visual.mesh else visual
 
 
 def _bounded(links: Sequence[Link]) -> tuple[list[Link], list[str]]:
@@ -192,19 +201,35 @@ def _size(mesh: str) -> int:
         return 0
 
 
-def _readable(links: Sequence[Link]) -> tuple[list[Link], list[str]]:
-    """Links with the shapes whose meshes Pinocchio can read, and the other meshes."""
-    loader = pin.coal.CachedMeshLoader()
-    kept, unread = [], []
+def _read(links: Sequence[Link]) -> tuple[list[Link], dict[str, tuple[Visual, Any]], list[str]]:
+    """Links with the shapes that can be read; their meshes by Pinocchio's name of the shape; what the others said."""
+    known: dict[str, Mesh | InputError] = {}
+    kept, shapes, unread = [], {}, []
     for link in links:
-        good = []
+        good: list[Visual] = []
         for visual in link.visuals:
             if visual.mesh:
                 try:
-                    loader.load(visual.mesh, np.array(visual.size))
-                except (ValueError, RuntimeError):
-                    unread.append(visual.mesh)
+                    shape = _mesh(visual.mesh, known).scaled(visual.size)
+                except InputError as error:
+                    unread.append(f"{visual.mesh!r}: {error.problem}")
                     continue
+                shapes[f"{link.name}_{len(good)}"] = (visual, shape)
             good.append(visual)
         kept.append(replace(link, visuals=tuple(good)))
-    return kept, unread
+    return kept, shapes, unread
+
+
+def _mesh(path: str, known: dict[str, Mesh | InputError]) -> Mesh:
+    """The mesh of a file, which is read once."""
+    if path not in known:
+        try:
+            known[path] = read_mesh(Path(path))
+        except InputError as error:
+            known[path] = error
+        except OSError as error:
+            known[path] = InputError(error.strerror or "it cannot be opened")
+    found = known[path]
+    if isinstance(found, InputError):
+        raise found
+    return found

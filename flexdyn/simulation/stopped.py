@@ -82,9 +82,10 @@ def _remedy(solver: Solver, *, short: bool, often: bool, implicit: bool) -> str:
         return "take a smaller step"
     if not short:
         return "check the model's numbers and first state"
-    if implicit:
-        return "take Rosenbrock or auto, whose steps need not follow that"
     stepping = "take TimeStepping, whose steps are fixed: halve them until the motion stays the same"
+    if implicit:
+        # What the motion meets later, the trial could not see.
+        return f"take Rosenbrock or auto, whose steps need not follow that; if these stop too, {stepping}"
     return f"{stepping}; it does not look for single events" if often else f"{stepping}; or give a greater max_steps"
 
 

@@ -17,7 +17,7 @@ from flexdyn.batch.studyfile import read_study
 from flexdyn.cli.recordings import load
 from flexdyn.records.apart import caller
 from flexdyn.simulation.command_input import make_drive
-from tests.fuzz import command_line, core_border, corpus
+from tests.fuzz import command_line, core_border, corpus, meshes
 from tests.fuzz.mutate import Mutator, a_number, any_archive, any_bytes, any_store, any_text
 
 
@@ -124,6 +124,11 @@ def _reader(
     return Target(name, suffix, seeds, mutate, partial(_recording, suffix=suffix), share, apart=apart)
 
 
+def _shape(name: str, seeds: Callable[[Path], list[bytes]], mutate: Mutator) -> Target:
+    suffix = f".{name.lower()}"
+    return Target(name, suffix, seeds, mutate, partial(meshes.shown, suffix=suffix), 0.6, batch=200, apart=True)
+
+
 def _written(suffix: str) -> Callable[[Path], list[bytes]]:
     return partial(corpus.written, (corpus.SMALL, corpus.WIDE), suffix)
 
@@ -140,6 +145,9 @@ TARGETS = (
     _reader("ROS 2 bag", ".db3", corpus.db3, 3),
     Target("model", ".yaml", corpus.models, any_text, _model, 1.5),
     Target("URDF", ".urdf", lambda folder: [corpus.URDF], any_text, _urdf, 6),
+    _shape("STL", meshes.stl, any_bytes),
+    _shape("OBJ", meshes.obj, any_text),
+    _shape("DAE", meshes.dae, any_text),
     Target("study", ".yaml", corpus.studies, any_text, _study, 0.6),
     Target("channel map", ".yaml", corpus.maps, any_text, _map, 2.5),
     Target("command file", ".yaml", corpus.commands, any_text, partial(_command, suffix=".yaml"), 1.5),

@@ -10,6 +10,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from flexdyn.records.apart import caller
+from flexdyn.records.apart.messages import Lost
 from flexdyn.robot import load_robot, meshes
 from flexdyn.robot.meshes import MAX_MESH_BYTES, MeshWarning
 
@@ -117,17 +119,45 @@ def test_a_link_inside_a_package_may_lead_to_its_sources(tmp_path: Path, write: 
     assert shown(write(arm_with("package://pkg/m.stl"))) == [str(tmp_path / "pkg/m.stl")]
 
 
-def test_meshes_that_cannot_be_read_are_left_out_when_shown(tmp_path: Path, write: Callable[..., Path]) -> None:
+@pytest.mark.parametrize(
+    ("broken", "why"),
+    [
+        ("not a mesh", "no mesh that can be read"),
+        (TRIANGLE.replace("vertex 1 0 0", "vertex 1e30 0 0"), "not finite, or farther than 1e[+]06 m"),
+        (TRIANGLE.replace("vertex 1 0 0", "vertex inf 0 0"), "not finite, or farther than 1e[+]06 m"),
+    ],
+    ids=["text", "far", "infinite"],
+)
+def test_meshes_that_cannot_be_read_are_left_out_when_shown(
+    broken: str, why: str, tmp_path: Path, write: Callable[..., Path]
+) -> None:
     """Loading does not open meshes; showing leaves a broken one out with one warning."""
     put(tmp_path / "good.stl")
-    (tmp_path / "broken.stl").write_text("not a mesh")
+    (tmp_path / "broken.stl").write_text(broken)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         robot = load_robot(write(arm_with("broken.stl", "good.stl")))
-    with pytest.warns(MeshWarning, match=r"1 meshes cannot be read.*broken\.stl") as caught:
+    with pytest.warns(MeshWarning, match=rf"1 meshes cannot be read.*broken\.stl.*{why}") as caught:
         geometry = robot.visual_model()
     assert len(caught) == 1
     assert [Path(item.meshPath).name for item in geometry.geometryObjects] == ["SPHERE", "good.stl"]
+    assert np.array_equal(geometry.geometryObjects[1].geometry.vertices().max(axis=0), [2, 2, 2])
+
+
+def test_a_reader_that_crashes_leaves_its_mesh_out(
+    tmp_path: Path, write: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another process reads meshes; where it ends without an answer, the arm is shown without that mesh."""
+
+    def lost(*_: object) -> None:
+        raise Lost
+
+    put(tmp_path / "good.stl")
+    robot = load_robot(write(arm_with("good.stl")))
+    monkeypatch.setattr(caller._Server, "table", lost)
+    with pytest.warns(MeshWarning, match=r"1 meshes cannot be read.*good\.stl.*the library that reads it crashed"):
+        geometry = robot.visual_model()
+    assert [item.meshPath for item in geometry.geometryObjects] == ["SPHERE"]
 
 
 def test_meshes_that_are_too_large_are_not_opened(

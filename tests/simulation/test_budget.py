@@ -48,6 +48,7 @@ def test_a_spent_budget_says_where_it_stands() -> None:
     assert (error.fastest.joint, error.fastest.cause[:17]) == ("shoulder", "the stiffness 1e+")
     assert "shoulder" in str(error)
     assert "take Rosenbrock" in str(error)
+    assert "if these stop too, take TimeStepping" in str(error)
     assert "\n" not in str(error)
     assert fd.simulate(model, None, 1.0, Rosenbrock(), **MOVING).t[-1] == pytest.approx(1.0)
 
