@@ -49,7 +49,18 @@ class CouplingEffect(JointEffect, abstract=True):
         return -self.torque(0.0, omega_other), np.zeros_like(omega)
 
 
-class CouplingDrag(CouplingEffect, abstract=True):
+class CouplingPart(CouplingEffect, abstract=True):
+    """One law of a `JointCoupling`, as the plant has it."""
+
+    other: str = dataclasses.field(kw_only=True)
+
+    @property
+    def partner(self) -> str:
+        """See the base class."""
+        return self.other
+
+
+class CouplingDrag(CouplingPart, abstract=True):
     """The drag of a `JointCoupling`, as the plant has it.
 
     Args:
@@ -63,15 +74,9 @@ class CouplingDrag(CouplingEffect, abstract=True):
     neutral = {"coefficient": 0.0}
 
     coefficient: float = parameter("N m s/rad")
-    other: str = dataclasses.field(kw_only=True)
-
-    @property
-    def partner(self) -> str:
-        """See the base class."""
-        return self.other
 
 
-class CouplingFriction(CouplingEffect, abstract=True):
+class CouplingFriction(CouplingPart, abstract=True):
     """The dry friction of a `JointCoupling`, as the plant has it.
 
     Args:
@@ -88,12 +93,6 @@ class CouplingFriction(CouplingEffect, abstract=True):
 
     level: float = parameter("N m", lower=0.0)
     ratio: float = parameter("1")
-    other: str = dataclasses.field(kw_only=True)
-
-    @property
-    def partner(self) -> str:
-        """See the base class."""
-        return self.other
 
 
 class JointCoupling(CouplingEffect):

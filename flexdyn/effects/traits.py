@@ -19,7 +19,6 @@ class Traits:
         words: its name in a sentence; default: the name with spaces.
         part_of: of a law that only the plant has: name of the effect that it is a part of.
         timed: it depends on the time since the start of the run; then `later` shifts the zero of time.
-        has_state: the plant has an internal state for it.
         conservative: it stores energy and takes none, and the core knows how much.
         cuts_torque: it limits the torque of a motor, so that a pose or a small motion must not reach it.
         scales_torque: of a gain of the motor's torque, ``tau_applied = (1 + gain) tau``, the parameter that is the
@@ -32,7 +31,6 @@ class Traits:
     words: ClassVar[str] = ""
     part_of: ClassVar[str] = ""
     timed: ClassVar[bool] = False
-    has_state: ClassVar[bool] = False
     conservative: ClassVar[bool] = False
     cuts_torque: ClassVar[bool] = False
     scales_torque: ClassVar[str] = ""
@@ -51,10 +49,6 @@ class Traits:
     def torque_gain(self) -> float:
         """Gain of the motor's torque [1]; 0: it does not scale the torque."""
         return float(getattr(self, self.scales_torque)) if self.scales_torque else 0.0
-
-    def parts(self) -> tuple[Any, ...]:
-        """Its laws in the plant: itself, unless the core has several laws for it."""
-        return (self,)
 
     def later(self, begin: float) -> Self:
         """The effect in a run that starts at this time of the first one [s]."""
