@@ -26,8 +26,9 @@ from flexdyn.records.files import FORMATS
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results"
-sys.path.insert(0, str(ROOT / "benchmarks"))
+sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "scripts")]
 
+from constants_table import constants_table  # noqa: E402
 from lines_table import lines_table  # noqa: E402
 from result_tables import (  # noqa: E402
     MEASURED,
@@ -143,6 +144,8 @@ TABLES: dict[str, Callable[[], str]] = {
     },
     "measured": lambda: measured_table(_measured()),
     "measured_names": lambda: measured_names_table(_measured()),
+    "constants": lambda: constants_table(derived=False),
+    "constants_derived": lambda: constants_table(derived=True),
     "effects": effects,
     "formats": formats,
     "robots": robots,

@@ -15,16 +15,20 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 from scipy.stats import beta, norm
 
+from flexdyn.diagnose.constants import (
+    EFFECT_TORQUE_SHARE,
+    NEGLIGIBLE_SHARE,
+    PLACE_BETA,
+    UBIQUITOUS_BETA,
+    WHOLE_NUMBER_LOG_ODDS,
+)
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.candidate import Candidate, Column
-from flexdyn.diagnose.inference.candidate_matrix import NEGLIGIBLE_SHARE
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.model_error import ModelError, Seen
-from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE
 from flexdyn.diagnose.inference.products import Products
 from flexdyn.diagnose.inference.space import Space, Structure
-from flexdyn.diagnose.inference.structure_prior import PLACE_BETA, UBIQUITOUS_BETA, WHOLE_NUMBER_LOG_ODDS
 from flexdyn.effects import Effect
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.arms import two_link

@@ -10,6 +10,7 @@ import pytest
 from scipy.stats import norm
 
 import flexdyn as fd
+from flexdyn.diagnose.constants import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.corrected import corrected
 from flexdyn.diagnose.decision.findings import reported_names
@@ -23,7 +24,6 @@ from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.passes import posterior
-from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.effects import (
     AsymmetricFriction,
     CoulombFriction,

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 import flexdyn as fd
+from flexdyn.diagnose.constants import LEAST_DESCENT
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.hypothesis.estimate import _begun, _stepped, fit
-from flexdyn.diagnose.hypothesis.exact_descent import LEAST_DESCENT, descended
+from flexdyn.diagnose.hypothesis.exact_descent import descended
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import OUT_OF_TOLERANCE_WIDTH, linearised, reached

@@ -12,9 +12,10 @@ import pytest
 from numpy.typing import NDArray
 
 import flexdyn as fd
+from flexdyn.diagnose.constants import STRAY_SHARE
 from flexdyn.diagnose.shooting import matched as matching
 from flexdyn.diagnose.shooting import shooter as shooting
-from flexdyn.diagnose.shooting.gap import STRAY_SHARE, Shot, shoot
+from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.starts import first_states
 from flexdyn.diagnose.shooting.windows import Windows
 from tests.arms import two_link

@@ -9,17 +9,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import flexdyn as fd
+from flexdyn.diagnose.constants import CERTAIN_SIGMAS, NOISE_LEVEL_ERROR, OFTEN, PREVALENCE_ODDS, SELDOM
 from flexdyn.diagnose.hypothesis.proposal import Proposal
-from flexdyn.diagnose.inference.apart import (
-    CHANCE_ROOM,
-    GUESSED,
-    NOISE_LEVEL_ERROR,
-    OFTEN,
-    PREVALENCE_ODDS,
-    SELDOM,
-    genuine,
-    shares,
-)
+from flexdyn.diagnose.inference.apart import GUESSED, genuine, shares
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.search import nested
@@ -66,7 +58,9 @@ def _coloured(case: Case) -> Space:
 def _excess(squares: float | Array, times: float | Array = ALIKE) -> Array:
     """Of sums of squares of TIMES rows, what is neither noise of a level that is not sure, nor chance, nor white."""
     above = (
-        np.asarray(squares) - (1.0 + NOISE_LEVEL_ERROR) * TIMES - CHANCE_ROOM * np.sqrt(2.0 * TIMES * np.asarray(times))
+        np.asarray(squares)
+        - (1.0 + NOISE_LEVEL_ERROR) * TIMES
+        - CERTAIN_SIGMAS * np.sqrt(2.0 * TIMES * np.asarray(times))
     )
     return np.asarray(np.maximum(above, 0.0) * (1.0 - 1.0 / np.asarray(times)))
 
@@ -111,7 +105,7 @@ def _oracle(case: Case, structure: Structure, noise: ModelError) -> dict[int, fl
         there = power > 0.01 * power.max()
         share = np.linalg.norm(blocks[c][0].size * at.mean[blocks[c][1]]) if c in blocks else np.inf
         hidden = float(power[there].sum()) * _typical(case, excess) / float(share) ** 2
-        below = NOISE_LEVEL_ERROR * TIMES + CHANCE_ROOM * np.sqrt(2.0 * TIMES * noise.times)
+        below = NOISE_LEVEL_ERROR * TIMES + CERTAIN_SIGMAS * np.sqrt(2.0 * TIMES * noise.times)
         left = max((weights * excess)[there].sum(), min(hidden, (weights * below)[there].sum()))
         found[c] = float(own @ own) / max(float(left), 1e-9)
     return found
@@ -176,7 +170,7 @@ def test_what_one_joint_leaves_may_hide_at_another() -> None:
     left = np.roll(_orthogonal(4, SIZE)[3].reshape(TIMES, EQUATIONS), 1, axis=1).ravel()
     found = shares(_coloured(_case(effects, -one + 0.3 * left, number)), frozenset({(1, 0)}))[1]
     # The root mean square over the two equations of what is left would be more than noise can hide here.
-    below = NOISE_LEVEL_ERROR * TIMES + CHANCE_ROOM * np.sqrt(2.0 * TIMES * ALIKE)
+    below = NOISE_LEVEL_ERROR * TIMES + CERTAIN_SIGMAS * np.sqrt(2.0 * TIMES * ALIKE)
     assert below < 0.5 * float(_excess(0.3**2 * POWER))
     assert found == pytest.approx(POWER / below, rel=2e-2)
 

@@ -6,7 +6,7 @@ import dataclasses
 
 import pytest
 
-from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE
+from flexdyn.diagnose.constants import IN_TOLERANCE
 from flexdyn.diagnose.inference.passes import _in_tolerance, other_linearisations
 from tests.diagnose.test_estimate import problem
 

@@ -12,12 +12,17 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import norm
 
+from flexdyn.diagnose.constants import (
+    EFFECT_TORQUE_SHARE,
+    NEGLIGIBLE_SHARE,
+    PLACE_BETA,
+    SMALLEST_TORQUE_SHARE,
+    UBIQUITOUS_BETA,
+    WHOLE_NUMBER_LOG_ODDS,
+)
 from flexdyn.diagnose.inference.candidate import Column
-from flexdyn.diagnose.inference.candidate_matrix import NEGLIGIBLE_SHARE
-from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE, SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Structure
-from flexdyn.diagnose.inference.structure_prior import PLACE_BETA, UBIQUITOUS_BETA, WHOLE_NUMBER_LOG_ODDS
 from flexdyn.effects import CoulombFriction
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.inference_cases import EQUATIONS, EXPECTED, TIMES, Case, Given, column, share

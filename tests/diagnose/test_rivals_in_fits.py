@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
+from flexdyn.diagnose.constants import LEAST_IN_COMMON
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.corrected import LEAST_IN_COMMON
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import names
 from flexdyn.diagnose.decision.one_law import with_best

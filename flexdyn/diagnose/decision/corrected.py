@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array
+from flexdyn.diagnose.constants import ESTABLISHED, IN_TOLERANCE, LEAST_IN_COMMON, PROMISED_DROP, SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.even_odds import told_by_data
 from flexdyn.diagnose.decision.masses import Masses
@@ -22,26 +23,20 @@ from flexdyn.diagnose.decision.verdict import left
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.exact_descent import descended
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
-from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.less_rounded import less_rounded
 from flexdyn.diagnose.inference.apart import genuine, shares
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.odds_by_fits import squares_left
 from flexdyn.diagnose.inference.passes import Posterior
-from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
-from flexdyn.diagnose.report.suspects import ESTABLISHED
 from flexdyn.effects import Effect
 
 Share = Callable[[int], float]
-PROMISED_SHARE, PROMISED_DROP = 0.005, 10.0
-"""A fit has not converged if its next step would decrease chi^2 by more than this share and by more than this amount:
-the log likelihood of a name would change by five or more.
-"""
+PROMISED_SHARE = 0.005
+"""A fit has not converged if its next step would also decrease chi^2 by more than this share [1]."""
 
-LEAST_IN_COMMON = 0.1
-"""Share of the power of a candidate that a rival must be able to make [1]."""
 
 CONTINUATIONS = 6
 """Times at most that the fit of the corrected model is continued from where its steps ended."""

@@ -11,13 +11,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+from flexdyn.diagnose.constants import ESTABLISHED, EVEN_ODDS_WINDOW, SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.decision.masses import Masses, Set
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
-from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.inference.search import nested
 from flexdyn.diagnose.inference.space import Space
-from flexdyn.diagnose.report.suspects import ESTABLISHED
 
 
 def told_by_data(

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 
 from scipy.special import ndtr
 
+from flexdyn.diagnose.constants import ESTABLISHED, IN_TOLERANCE
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.gains import in_order
 from flexdyn.diagnose.decision.model_effects import effect_of, needed
@@ -17,11 +18,11 @@ from flexdyn.diagnose.decision.suspects import numbers_of, suspect_of
 from flexdyn.diagnose.experiment.design import with_experiment
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
-from flexdyn.diagnose.hypothesis.hypothesis import IN_TOLERANCE, Hypothesis
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.structure_model import factor_of
 from flexdyn.diagnose.report.measures import Calibration
-from flexdyn.diagnose.report.suspects import ESTABLISHED, Finding, Number, Suspect
+from flexdyn.diagnose.report.suspects import Finding, Number, Suspect
 from flexdyn.diagnose.report.words import effect_name, joined
 from flexdyn.effects import Effect, SensorEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel

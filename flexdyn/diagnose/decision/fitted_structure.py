@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Flags
+from flexdyn.diagnose.constants import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.decision.model_effects import effect_of
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.inference.odds_by_fits import squares_shown
-from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.inference.space import Space, Structure
 
 LARGEST_LOG_ODDS = 300.0

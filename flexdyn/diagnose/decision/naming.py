@@ -6,11 +6,8 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import partial
 
+from flexdyn.diagnose.constants import ESTABLISHED, RIVAL_PROBABILITY
 from flexdyn.diagnose.decision.masses import Masses, Set
-from flexdyn.diagnose.report.suspects import ESTABLISHED
-
-RIVAL_PROBABILITY = 0.02
-"""Probability from which a candidate is reported as a rival of another [1]."""
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import dataclasses
 import math
 
+from flexdyn.diagnose.constants import OCCAM_WINDOW
 from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.odds_by_fits import fit_if_likely, log_posterior
 from flexdyn.diagnose.inference.passes import Posterior
-from flexdyn.diagnose.inference.search import OCCAM_WINDOW
 from flexdyn.diagnose.inference.space import Space, Structure
 
 

@@ -10,14 +10,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Collection, Iterable, Iterator, Mapping
 
+from flexdyn.diagnose.constants import ESTABLISHED, EVEN_ODDS_WINDOW
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.inference.passes import LAST_STEPS, Posterior
-from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
-from flexdyn.diagnose.report.suspects import ESTABLISHED
 
 
 def in_one_law(found: Posterior, named: Collection[int]) -> Posterior:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 
+from flexdyn.diagnose.constants import ESTABLISHED, LIKELY_IMITATION
 from flexdyn.diagnose.decision.corrected import Corrected, corrected
 from flexdyn.diagnose.decision.needed_in_fits import needed_in_fits
 from flexdyn.diagnose.decision.one_law import by_plainer_laws, in_one_law, with_best
@@ -11,10 +12,6 @@ from flexdyn.diagnose.decision.refitted import share_in_forces
 from flexdyn.diagnose.decision.rivals_in_fits import rivals_in_fits
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.inference.passes import Posterior
-from flexdyn.diagnose.report.suspects import ESTABLISHED
-
-LIKELY_IMITATION = 0.5
-"""Probability of being genuine below which a law is more likely an imitation of something unknown [1]."""
 
 
 def reported(compared: Posterior, plain: Workspace) -> tuple[Posterior, Corrected]:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator
 
 from flexdyn.arrays import Flags
+from flexdyn.diagnose.constants import EVEN_ODDS_WINDOW, OCCAM_WINDOW, RIVAL_LOSS
 from flexdyn.diagnose.decision.fitted_structure import FittedStructure
 from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
 from flexdyn.diagnose.equations.mask import passage_mask
@@ -15,15 +16,11 @@ from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.odds_by_fits import fit_if_likely, log_density_at, log_posterior
 from flexdyn.diagnose.inference.passes import Posterior
-from flexdyn.diagnose.inference.rivals import EVEN_ODDS_WINDOW
-from flexdyn.diagnose.inference.search import OCCAM_WINDOW, Scan
+from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
 from flexdyn.effects import effect_from_dict
 from flexdyn.errors import SimulationError
-
-RIVAL_LOSS = 0.01
-"""Share of a candidate's gain by which the linear equations may be wrong: a rival that loses less is fitted [1]."""
 
 
 def rivals_in_fits(found: Posterior) -> Posterior:

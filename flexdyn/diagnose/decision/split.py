@@ -13,6 +13,7 @@ import numpy as np
 
 from flexdyn.arrays import Flags
 from flexdyn.checks import as_number
+from flexdyn.diagnose.constants import REST_SIGMAS, TEST_SHARE
 from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.measured import Measured, measured
 from flexdyn.diagnose.equations.covariance import SampleNoise
@@ -23,8 +24,6 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, RecordingWarning
 from flexdyn.records.signals.cut import rows_of
 
-TEST_SHARE = 0.2
-"""Share of the moving part of every recording that is test data if none are given [1] (contract, section 8)."""
 SHORTEST_TEST_DATA = 1.0
 """Least length of such test data [s]: two windows of 0.5 s."""
 FEWEST_TEST_SAMPLES = 100
@@ -33,10 +32,6 @@ SHORTEST_CUT_RECORDING = 2.5
 """Shorter recordings are not cut, because the rest would be too short to fit [s]."""
 MOVING_TIME = 0.2
 """Time over which a joint must change its position to count as moving [s]."""
-REST_SIGMAS = 10.0
-"""A joint rests if the range of its position is below this number of standard deviations of its encoder's noise [1]: in
-about a hundred samples, noise alone has a range of five or six.
-"""
 SHORTEST_BLOCK = 1.0
 """Least length of a block, and of a piece between blocks [s]: two windows of 0.5 s."""
 Block = tuple[float, float]

@@ -9,15 +9,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.constants import CERTAIN_SIGMAS, LEFT_TORQUE_SHARE, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.decision.gaps import Shots
 from flexdyn.diagnose.decision.model_rows import ModelRows, rms
 from flexdyn.diagnose.equations.layout import LINK, TRANSMISSION
-from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.report.measures import Left, ResidualPlace
 from flexdyn.diagnose.report.result import Verdict
 
-LEFT_TORQUE_SHARE = 0.01
-"""Share of a joint's torque from which something is left [1]: no model of a robot is right to less."""
 QUANTITY = re.compile(r"abs\((\w+(?: of \w+)?)\)|\b(q|v|omega|t)\b(?= [<>b])|(after a reversal)")
 
 
@@ -72,7 +70,7 @@ def left(rows: ModelRows, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Le
         unit = at.softness[j] if kind == LINK else 1.0
         beyond = float((white[clear, k] ** 2 - 1.0).mean())
         power = float((residual[clear, k] ** 2 - variance[clear, k]).mean())
-        if beyond <= max(CHANCE_ROOM * np.sqrt(2.0 / clear.sum()), NOISE_LEVEL_ERROR) or power <= 0.0:
+        if beyond <= max(CERTAIN_SIGMAS * np.sqrt(2.0 / clear.sum()), NOISE_LEVEL_ERROR) or power <= 0.0:
             continue
         share = float(unit * np.sqrt(power)) / max(rms(rows.torque(j)[1]), 1e-12)
         if share >= LEFT_TORQUE_SHARE and (joint not in found or share > found[joint].share_of_torque):

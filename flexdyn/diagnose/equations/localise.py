@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.constants import CERTAIN_SIGMAS, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, SENSOR, TRANSMISSION
 from flexdyn.diagnose.equations.motion import SmoothedMotion
@@ -17,8 +18,6 @@ from flexdyn.diagnose.report.trace import ResidualTrace
 
 POWER_BLOCK = 0.025
 """Length of the blocks whose power is compared [s]."""
-CHANCE_ROOM, NOISE_LEVEL_ERROR = 5.0, 0.05
-"""Standard deviations of a sum of squares that count as chance, and relative uncertainty of the noise level [1]."""
 LEAST_SHARE = 0.01
 """Places with a smaller share of the excess are left out [1]."""
 SIDES = {
@@ -49,7 +48,7 @@ def localise(equations: Equations, white: Array, mask: Flags) -> tuple[ResidualP
     seen = ~mask.reshape(-1, many)
     rows = seen.sum(axis=0)
     excess = ((power - 1.0) * seen).sum(axis=0)
-    excess = np.where(excess > np.maximum(CHANCE_ROOM * np.sqrt(2.0 * rows), NOISE_LEVEL_ERROR * rows), excess, 0.0)
+    excess = np.where(excess > np.maximum(CERTAIN_SIGMAS * np.sqrt(2.0 * rows), NOISE_LEVEL_ERROR * rows), excess, 0.0)
     if not excess.any():
         return ()
     shares = excess / excess.sum()

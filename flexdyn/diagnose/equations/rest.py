@@ -7,13 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.constants import CERTAIN_SIGMAS
 from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.records.signals.kernels import GaussianSmoother
-
-CERTAIN_SIGN_SIGMAS = 5.0
-"""The sign of a velocity below this number of standard deviations is uncertain [1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +57,7 @@ def uncertain_sign(u: Array, sigma: float, kernel: GaussianSmoother) -> Flags:
         kernel: filter that made the velocity from the position.
     """
     spread = float(np.linalg.norm(kernel.taps[1]))
-    uncertain = np.abs(u) <= CERTAIN_SIGN_SIGMAS * spread * sigma  # the sign of 0 is always uncertain
+    uncertain = np.abs(u) <= CERTAIN_SIGMAS * spread * sigma  # the sign of 0 is always uncertain
     uncertain[1:] |= u[1:] * u[:-1] < 0.0
     return np.asarray(uncertain)
 

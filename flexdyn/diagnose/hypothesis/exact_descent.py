@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from flexdyn.arrays import Array, Indices
+from flexdyn.diagnose.constants import LEAST_DESCENT
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
@@ -20,8 +21,6 @@ LEVENBERG_FACTORS = (0.0, 1e-6, 1e-4, 1e-2, 1.0, 100.0)
 """Levenberg's and Marquardt's factor of the curvatures' diagonal, until a step leads down [1]."""
 DIFFERENCE = 0.3
 """Distance over which a difference is taken, in standard deviations of the number if all others were known [1]."""
-LEAST_DESCENT = 5.0
-"""Decrease of chi^2 that is worth a further step: the log likelihood changes by 2.5."""
 
 
 def descended(made: Fit) -> Fit:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array
+from flexdyn.diagnose.constants import IN_TOLERANCE
 from flexdyn.effects import Effect, SensorOffset
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber, with_factors
@@ -18,8 +19,6 @@ STEP_ROUNDING = 1e-9
 """A smaller share of a step counts as no step [1]."""
 LEAST_FACTOR = 0.02
 """Smallest factor of a number of the file: masses, stiffnesses, dampings and levels are positive [1]."""
-IN_TOLERANCE = 3.0
-"""Standard deviations of its tolerance within which a number of the file is calibrated and not wrong."""
 
 
 @dataclass(frozen=True, eq=False)

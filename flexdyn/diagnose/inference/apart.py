@@ -17,6 +17,7 @@ import numpy as np
 from scipy.linalg import cho_solve
 
 from flexdyn.arrays import Array
+from flexdyn.diagnose.constants import CERTAIN_SIGMAS, NOISE_LEVEL_ERROR, OFTEN, ON_LINKS, PREVALENCE_ODDS, SELDOM
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.gram import lower_factor
 from flexdyn.diagnose.inference.model_error import ModelError
@@ -24,15 +25,6 @@ from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.torque_shares import torque_share
 from flexdyn.effects import Effect
 
-CHANCE_ROOM, NOISE_LEVEL_ERROR = 5.0, 0.05
-"""Standard deviations of a sum of squares that count as chance, and relative uncertainty of the noise level [1]."""
-EVERYWHERE, OFTEN, SELDOM = 100.0, 15.0, 0.3
-"""Prior odds of an effect to something unknown that looks like it: what every drive has, what most have, the rest. In
-24 hidden cases outside the catalogue the best imitation stood out by 46 at most; the rest must by 60 to be named."""
-PREVALENCE_ODDS = {"everywhere": EVERYWHERE, "often": OFTEN, "seldom": SELDOM}
-"""By what an effect's class declares."""
-ON_LINKS = {"everywhere": OFTEN, "often": SELDOM, "seldom": SELDOM}
-"""Of friction behind the gear: drives have theirs in motor and gear, and a link's bearings add little."""
 GUESSED = ("rotor_inertia",)
 """Numbers of the file that are often wrong."""
 
@@ -118,7 +110,7 @@ def beyond_noise(noise: ModelError, squares: Array) -> Array:
 
 def _undetected(noise: ModelError) -> Array:
     """Power beyond noise that chance and a wrong level of the noise may make (equations,)."""
-    return np.asarray(NOISE_LEVEL_ERROR * noise.count + CHANCE_ROOM * np.sqrt(2.0 * noise.count * noise.times))
+    return np.asarray(NOISE_LEVEL_ERROR * noise.count + CERTAIN_SIGMAS * np.sqrt(2.0 * noise.count * noise.times))
 
 
 def _typical(space: Space, excess: Array) -> float:

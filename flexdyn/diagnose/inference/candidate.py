@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.arrays import Array, Flags, Indices
+from flexdyn.diagnose.constants import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
-from flexdyn.diagnose.inference.priors import EVERY_MOTOR, SMALLEST_TORQUE_SHARE
+from flexdyn.diagnose.inference.priors import EVERY_MOTOR
 from flexdyn.effects import Effect, registered
 from flexdyn.model.uncertain_parameters import FileNumber
 

@@ -7,16 +7,14 @@ import dataclasses
 import numpy as np
 
 from flexdyn.arrays import Array, Indices
+from flexdyn.diagnose.constants import EFFECT_TORQUE_SHARE, NEGLIGIBLE_SHARE, SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.hypothesis.proposal import Point
 from flexdyn.diagnose.inference.candidate import Candidate, Column
 from flexdyn.diagnose.inference.gram import Prior
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.model_error import Seen
-from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE, SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.inference.products import Products
 
-NEGLIGIBLE_SHARE = 3e-3
-"""Standard deviation of a negligible effect over that of a real one [1]: 0.1 % of the joint's torque."""
 SPARE_COLUMNS = 400
 """Columns for refined grid points."""
 

@@ -13,18 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.constants import EFFECT_TORQUE_SHARE, FIXED_SIZE_WIDTH, FREED_TOLERANCES, FREED_WIDTH
 from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
 from flexdyn.diagnose.inference.candidate import Column
 from flexdyn.diagnose.inference.catalogue import columns_of
-from flexdyn.diagnose.inference.priors import (
-    EFFECT_TORQUE_SHARE,
-    FIXED_SIZE_WIDTH,
-    FREED_TOLERANCES,
-    FREED_WIDTH,
-)
 from flexdyn.diagnose.inference.sizes import Sizes
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import Effect, registered

@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 
 from flexdyn.arrays import Flags
+from flexdyn.diagnose.constants import OCCAM_WINDOW, WHOLE_NUMBER_LOG_ODDS
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.hypothesis.estimate import SHORTENED_STEP, fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
@@ -19,11 +20,9 @@ from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.memory import check_memory
 from flexdyn.diagnose.inference.odds_by_fits import log_density, log_density_at
-from flexdyn.diagnose.inference.search import OCCAM_WINDOW
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.standing_effects import beliefs
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
-from flexdyn.diagnose.inference.structure_prior import WHOLE_NUMBER_LOG_ODDS
 from flexdyn.diagnose.inference.weights import along_expected, expected, filter_error, for_fit, quieter, rows_of
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.errors import SimulationError

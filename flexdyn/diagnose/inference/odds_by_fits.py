@@ -8,13 +8,13 @@ from collections.abc import Iterable
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.constants import CERTAIN_SIGMAS, NOISE_LEVEL_ERROR, OCCAM_WINDOW, STRONG_GAIN_SHARE
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import priors
-from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
-from flexdyn.diagnose.inference.search import OCCAM_WINDOW, STRONG_GAIN_SHARE, Scan
+from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
 from flexdyn.diagnose.inference.whitening import Tempered
@@ -125,7 +125,7 @@ def fit_if_likely(
 def _lacks(space: Space, made: Fit) -> bool:
     """Whether a fit leaves more than noise, chance and a misjudged level of the noise make."""
     count, squares = space.noise.count, squares_left(made.equations, made.space)
-    return bool((squares > (1.0 + NOISE_LEVEL_ERROR) * count + CHANCE_ROOM * np.sqrt(2.0 * count)).any())
+    return bool((squares > (1.0 + NOISE_LEVEL_ERROR) * count + CERTAIN_SIGMAS * np.sqrt(2.0 * count)).any())
 
 
 def _with(space: Space, stands: Structure, added: Iterable[tuple[int, int]]) -> list[Structure]:

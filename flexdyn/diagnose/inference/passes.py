@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Flags
+from flexdyn.diagnose.constants import STRONG_GAIN_SHARE
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.estimate import fit
@@ -22,7 +23,7 @@ from flexdyn.diagnose.inference.linearisation import Linearisation
 from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.odds_by_fits import best_by_fits, best_where_not_linear, odds_by_fits
 from flexdyn.diagnose.inference.rivals import among_rivals
-from flexdyn.diagnose.inference.search import STRONG_GAIN_SHARE, explore
+from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, waits
 from flexdyn.diagnose.inference.weights import for_fit, quieter, rows_of

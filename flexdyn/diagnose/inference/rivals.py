@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import itertools
-import math
 
+from flexdyn.diagnose.constants import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.hypothesis.proposal import Point
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.refinement import refined
 from flexdyn.diagnose.inference.search import Scan, explore
 from flexdyn.diagnose.inference.space import Space, Structure
-
-EVEN_ODDS_WINDOW = math.log(3.0)
-"""Log Bayes factor up to which data do not tell two laws apart: evidence up to 3 is "not worth more than a bare
-mention" (Kass and Raftery, J. Am. Stat. Assoc. 90, 1995)."""
 
 
 def among_rivals(space: Space, best: Structure) -> Structure:

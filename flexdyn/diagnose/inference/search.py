@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection
 
 import numpy as np
 from scipy.special import betaln
 
 from flexdyn.arrays import Indices
+from flexdyn.diagnose.constants import OCCAM_WINDOW
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.refinement import refined
@@ -16,13 +16,8 @@ from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_prior import log_harmonic, odds_of
 from flexdyn.diagnose.progress import check
 
-OCCAM_WINDOW = math.log(1000.0)
-"""Occam's window: structures less likely than the best by more than this factor are not explored (Madigan, 1994)."""
 STRUCTURES_EXPLORED = 30
 """Structures whose neighbours are all compared, at most."""
-STRONG_GAIN_SHARE = 0.1
-"""Share of the greatest gain of a pass from which another addition is made before the equations are linearised anew, or
-a candidate is fitted alone where they do not keep their promise."""
 
 
 class Scan:

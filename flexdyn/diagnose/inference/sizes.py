@@ -9,19 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.constants import LEAST_DAMPING_RATIO, SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import MOTOR, TOTAL, TRANSMISSION
 from flexdyn.diagnose.equations.terms import of_joint, spring_torque
 from flexdyn.diagnose.equations.users_laws import torque_of
-from flexdyn.diagnose.inference.priors import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import Effect, JointEffect, registered
-
-LEAST_DAMPING_RATIO = 0.01
-"""Damping ratio of a joint's vibration from which a damping of its transmission is an effect [1]: the vibration loses
-6 % with every cycle.
-"""
 
 
 @dataclass(frozen=True, eq=False)

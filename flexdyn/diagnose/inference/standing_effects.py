@@ -7,13 +7,14 @@ from collections.abc import Callable
 
 import numpy as np
 
+from flexdyn.diagnose.constants import EFFECT_TORQUE_SHARE
 from flexdyn.diagnose.equations.columns import of_parameter
 from flexdyn.diagnose.hypothesis.hypothesis import kind_and_place
 from flexdyn.diagnose.hypothesis.linear import tangent_scale
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.inference.candidate import Column, natural
 from flexdyn.diagnose.inference.column_maker import ColumnMaker, natural_spread
-from flexdyn.diagnose.inference.priors import EFFECT_TORQUE_SHARE, FITTED_SIZE_WIDTH, UNKNOWN_WIDTH
+from flexdyn.diagnose.inference.priors import FITTED_SIZE_WIDTH, UNKNOWN_WIDTH
 from flexdyn.effects import Effect, JointEffect
 
 Belief = Callable[[Effect, str], tuple[float, float]]

@@ -6,21 +6,10 @@ from collections import Counter
 
 from scipy.special import betaln
 
+from flexdyn.diagnose.constants import PLACE_BETA, PLAIN_BETA, UBIQUITOUS_BETA, WHOLE_NUMBER_LOG_ODDS
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.priors import EVERY_MOTOR
 from flexdyn.effects import Effect, registered
-
-PLACE_BETA = (0.3, 6.0)
-"""Beta prior of the share of places that have an effect: odds of 1 to 20 for a single place, better if other places
-have it already.
-
-So an effect of many joints costs less than single effects (Scott and Berger, 2010).
-"""
-UBIQUITOUS_BETA, PLAIN_BETA = (6.0, 0.3), (1.0, 1.0)
-"""The same of friction that every motor has, where the file has none: odds of some 20 to 1; and of the same friction on
-links: any share of the places is as likely as any other."""
-WHOLE_NUMBER_LOG_ODDS = 5.0
-"""Log odds of a harmonic that is a whole number, or a whole number of motor turns, to one that is not."""
 
 
 def odds_of(group: str) -> tuple[float, float]:

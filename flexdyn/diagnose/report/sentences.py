@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from flexdyn.diagnose.constants import ESTABLISHED
 from flexdyn.diagnose.report import digits, words
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.suspects import CONFIDENCE, ESTABLISHED, Finding
+from flexdyn.diagnose.report.suspects import CONFIDENCE, Finding
 from flexdyn.io.text import fill
 
 FINDINGS_IN_ONE_SENTENCE = 2

@@ -9,11 +9,10 @@ from typing import Any
 
 from flexdyn.arrays import Array
 from flexdyn.control.commands import PD
+from flexdyn.diagnose.constants import ESTABLISHED
 from flexdyn.effects import ParameterError
 from flexdyn.io.locked import Locked
 
-ESTABLISHED = 0.95
-"""Posterior probability from which an effect, or an "A or B", counts as established [1] (contract, section 8)."""
 CONFIDENCE = 1.96
 """Standard deviations on either side that hold 95 % of a normal distribution [1]."""
 Key = tuple[str, str | None, str | None, tuple[tuple[str, str], ...]]

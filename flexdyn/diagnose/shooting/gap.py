@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.constants import NOISE_GAP, STRAY_SHARE
 from flexdyn.diagnose.equations.shared import same_signals
 from flexdyn.diagnose.shooting.matched import FAILED_WINDOW_SHARE, Matching, bounded_residual
 from flexdyn.diagnose.shooting.shooter import Shooter
@@ -16,11 +17,6 @@ from flexdyn.diagnose.shooting.whiten import Filter
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-STRAY_SHARE = 0.1
-"""Share of the windows that may be far off because noise decides when a joint sticks [1]."""
-NOISE_GAP = 1.3
-"""A gap of at most this multiple of the floor is noise [1]: a window of one joint has about twenty independent errors,
-whose root mean square has a standard deviation of 16 %."""
 FRAGILE_RATIO = 3.0
 """A window is fragile if drawn noise has a larger effect than this multiple of the linear response [1]."""
 

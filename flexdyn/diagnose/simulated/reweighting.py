@@ -7,9 +7,9 @@ import dataclasses
 import math
 from collections.abc import Callable
 
+from flexdyn.diagnose.constants import CERTAIN_SIGMAS, ERRORS_PER_WINDOW, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
-from flexdyn.diagnose.inference.apart import CHANCE_ROOM, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Structure
@@ -32,8 +32,6 @@ COMPARED_WINDOWS = 16
 """Windows over which structures are compared, spread evenly: 8 s; what is found is held against all of them."""
 EQUATIONS_FIT_STEPS = 6
 """Steps of the fit to the equations, with a warm start at the linear estimate."""
-ERRORS_PER_WINDOW = 20
-"""Independent errors in a window of one joint, about [1]."""
 
 
 def unlike_noise(shot: Shot, floor: float = 1.0) -> bool:
@@ -43,7 +41,7 @@ def unlike_noise(shot: Shot, floor: float = 1.0) -> bool:
         shot: the windows; where only some are off, their median says nothing of it.
         floor: the gap of a perfect model, if it is more than 1.
     """
-    chance = CHANCE_ROOM * math.sqrt(2.0 / (ERRORS_PER_WINDOW * len(shot.x0)))
+    chance = CERTAIN_SIGMAS * math.sqrt(2.0 / (ERRORS_PER_WINDOW * len(shot.x0)))
     return shot.left > (1.0 + NOISE_LEVEL_ERROR + chance) * max(floor, 1.0) ** 2
 
 

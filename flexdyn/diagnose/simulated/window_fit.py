@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array
+from flexdyn.diagnose.constants import WORTHWHILE_GAIN
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import priors, tangent_scale, within_bounds
@@ -23,8 +24,6 @@ WINDOW_FIT_STEPS = 8
 """Gauss-Newton steps at most."""
 STEP_SHARES = (1.0, 0.3, 0.1)
 """Shares of a step that are tried."""
-WORTHWHILE_GAIN = 5.0
-"""Log posterior that a step must gain for another one [1]."""
 WORTHWHILE_SHARE = 0.05
 """The same as a share of what separates the windows from noise [1]: steps that gain less do not lead there."""
 
