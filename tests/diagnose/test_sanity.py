@@ -159,6 +159,32 @@ def test_a_sliding_joint(tmp_path: Path, factor: float, problem: str) -> None:
         check_recordings(model, data)
 
 
+GANTRY = "".join(
+    f"""<link name="{name}"><inertial><mass value="{mass}"/>
+<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+<joint name="{name}" type="prismatic"><parent link="{base}"/><child link="{name}"/><axis xyz="{axis}"/>
+<limit lower="-100" upper="100" effort="1000" velocity="100"/></joint>"""
+    for name, base, axis, mass in (("x", "base", "1 0 0", 1), ("y", "x", "0 1 0", 1), ("z", "y", "0 0 1", 2))
+)
+
+
+@pytest.mark.parametrize("rotor", [0.9, 4.5, 6.5])
+def test_a_guessed_rotor_does_not_convict_other_joints(tmp_path: Path, rotor: float) -> None:
+    """Axes that move alike could be exchanged as well; a rotor of another axis that is a guess is not healed by it.
+
+    The right rotor weighs 2 kg in the place of those of the model.
+    """
+    path = tmp_path / "gantry.urdf"
+    path.write_text(f'<robot name="gantry"><link name="base"/>{GANTRY}</robot>', encoding="utf-8")
+    model = fd.FlexibleJointModel(fd.load_robot(path), {"z": {"rotor_inertia": rotor}}, gravity=[0.0, 0.0, 0.0])
+    t = np.arange(4000) / 1000
+    motion = {"x": (5.0, 4.0), "y": (5.0, 3.0), "z": (8.0, 4.0)}
+    channels = {f"q.{name}": 0.1 * np.sin(w * t) for name, (w, _) in motion.items()}
+    channels |= {f"tau.{name}": -0.1 * mass * w**2 * np.sin(w * t) for name, (w, mass) in motion.items()}
+    units = {name: "m" if name.startswith("q") else "N" for name in channels}
+    check_recordings(model, (measured(model, fd.Recording(t, channels, meta={"units": units})),))
+
+
 PENDULUM = """<robot name="pendulum"><link name="base"/>
 <link name="one"><inertial><origin xyz="0 0 -0.2"/><mass value="0.5235"/>
 <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.001"/></inertial></link>

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
+from flexdyn.diagnose.constants import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.covariance import SampleNoise
@@ -69,3 +70,9 @@ def test_a_damping_counts_by_how_fast_a_vibration_decays() -> None:
         damping = fd.effects.TransmissionDamping("elbow", coefficient=D)
         assert sizes.smallest(damping, share) == pytest.approx(min(4e-3, share * 0.01 / ratio(D)), rel=1e-6)
     assert sizes.smallest(fd.effects.ViscousFriction("elbow", side="link", coefficient=0.1), share) == 4e-3
+
+
+def test_a_damping_that_a_fit_took_to_nothing_has_a_bound() -> None:
+    """No ratio of damping to torque is left to compute it from: the share of torque of any effect."""
+    none = fd.effects.TransmissionDamping("elbow", coefficient=0.0)
+    assert _sizes(1e-3).smallest(none, 0.0) == SMALLEST_TORQUE_SHARE

@@ -103,3 +103,12 @@ def test_a_late_encoder_beside_friction_of_its_joint(tmp_path: Path) -> None:
     """Coulomb friction on a link and 3.6 ms of lag of its motor's encoder."""
     found, truth = diagnosed("pair", 5, 5, tmp_path)
     assert outcome(truth, found) == "right", (found["findings"], truth["hidden"])
+
+
+@pytest.mark.slow
+def test_presliding_friction_whose_reversals_the_equations_mask(tmp_path: Path) -> None:
+    """With encoders on the links alone, equations prefer Coulomb friction. Windows tell them apart, hardly the side."""
+    found, truth = diagnosed("link_only", 150001, 4, tmp_path)
+    assert outcome(truth, found) in ("right", "half"), (found["findings"], truth["hidden"])
+    (finding,) = found["findings"]
+    assert (finding["effect"], finding["side"]) == ("presliding_friction", "link")

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from flexdyn.arrays import Flags
+from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.match import Match, liveliest, match
 from flexdyn.diagnose.equations.mistakes import EXPLAINED_SHARE, Mistake, far, fits, mistakes, wanted_share
@@ -74,8 +74,9 @@ def _merit(seen: Match, undone: Match, mistake: Mistake, poor: Flags) -> float |
     """Mean explained share after correcting a mistake, minus the penalty for the size; None if it is too small."""
     known = seen.says | undone.says
     now = np.where(fits(mistake, undone), undone.share, 0.0)
-    before = np.clip(seen.plain, 0.0, 1.0)
+    before = _share_as_given(seen, mistake)
     wanted = wanted_share(mistake, seen.gain)
+    poor = poor & (before < POOR_VARIANCE_SHARE)
     healed = poor & (now >= wanted) & ((1.0 - now < (1.0 - before) / BELIEVED_RATIO) | (wanted < EXPLAINED_SHARE))
     named = [j for j in mistake.joints if known[j]]
     better = (now >= wanted) | (now > before + BETTER_BY_SHARE)
@@ -85,13 +86,19 @@ def _merit(seen: Match, undone: Match, mistake: Mistake, poor: Flags) -> float |
     return float(now[known].mean() - SIZE_WEIGHT * off)
 
 
+def _share_as_given(seen: Match, mistake: Mistake) -> Array:
+    """Explained shares without the correction (n,): a gain that is right within the same factor counts for both."""
+    return np.where(fits(mistake, seen), seen.share, np.clip(seen.plain, 0.0, 1.0))
+
+
 def _refused(data: Measured, joints: Sequence[str], seen: Match, mistake: Mistake, undone: Match) -> InputError:
     """The error for an accepted mistake; it names the joint for which the correction explains most."""
-    j = max(mistake.joints, key=lambda i: float(undone.share[i]) - max(float(seen.plain[i]), 0.0))
+    gained = undone.share - _share_as_given(seen, mistake)
+    j = max(mistake.joints, key=lambda i: float(gained[i]))
     if mistake.of_torques:
         j, value = mistake.joints[0], f"{seen.gain[mistake.joints[0]]:.3g} times what the model needs"
     else:
-        before, after = 100.0 * max(float(seen.plain[j]), 0.0), 100.0 * float(undone.share[j])
+        before, after = 100.0 * float(_share_as_given(seen, mistake)[j]), 100.0 * float(undone.share[j])
         value = f"{before:.0f} % of the torque explained as given, {after:.0f} % without the mistake"
     signal = "tau" if not mistake.of_positions else "q" if data.has_q[j] else "theta"
     return InputError(mistake.problem, file=data.name, key=f"{signal}.{joints[j]}", value=value, remedy=mistake.remedy)

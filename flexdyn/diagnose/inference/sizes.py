@@ -83,14 +83,15 @@ class Sizes:
         """
         if not isinstance(effect, JointEffect) or not effect.damps_spring:
             return SMALLEST_TORQUE_SHARE
+        damping = abs(float(getattr(effect, effect.damps_spring)))
+        if damping == 0.0:  # a fit has taken it to nothing, of which no ratio says how much torque is enough
+            return SMALLEST_TORQUE_SHARE
         true = self.equations.true
         j, along = true.index(effect.joint), self.equations.motions[0]
         K, J = float(true.stiffness[j]), float(true.rotor_inertia[j])
         link = float(np.mean(along.M[:, j, j]))
         least_damping = 2.0 * LEAST_DAMPING_RATIO * math.sqrt(K * J * link / max(J + link, 1e-300))
-        return min(
-            SMALLEST_TORQUE_SHARE, share * least_damping / max(float(getattr(effect, effect.damps_spring)), 1e-300)
-        )
+        return min(SMALLEST_TORQUE_SHARE, share * least_damping / damping)
 
     def carried(self, effect: Effect, scale: float = 1.0) -> float:
         """Share of its joint's torque that a law of a transmission makes there, over `scale` [1].

@@ -7,7 +7,7 @@ import dataclasses
 import math
 from collections.abc import Callable
 
-from flexdyn.diagnose.constants import CERTAIN_SIGMAS, ERRORS_PER_WINDOW, NOISE_LEVEL_ERROR
+from flexdyn.diagnose.constants import CERTAIN_SIGMAS, ERRORS_PER_WINDOW, NOISE_LEVEL_ERROR, STRONG_GAIN_SHARE
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.inference.passes import Posterior
@@ -26,6 +26,8 @@ LARGEST_QUESTIONED = 4
 """Candidates of a structure, at most, whose neighbours are simulated: larger ones imitate what the catalogue lacks."""
 SEARCH_ROUNDS = 3
 """Structures whose neighbours are compared, at most."""
+RIVALS_SIMULATED = 8
+"""Candidates that are simulated in the place of each one of the structure that the equations prefer, at most."""
 FITTED_SWAPS = 2
 """Swaps whose numbers are fitted to the windows: those that are nearest before."""
 COMPARED_WINDOWS = 16
@@ -150,8 +152,14 @@ class Simulated:
     def climbed(self, start: Structure) -> Structure:
         """The best structure of a search that begins at one, or at nothing, and goes on to better neighbours.
 
-        The equations may prefer several candidates to one that they hardly see. No neighbour of these leads there.
+        The equations may prefer several candidates to one that they hardly see. No neighbour of these leads there. What
+        they hardly tell apart is simulated before any numbers are fitted to windows: the search begins at the best of
+        it.
         """
+        self.start(start)
+        if start in self.fits and unlike_noise(self.fits[start].shot):
+            self._rivals(start)
+            start = self.best()
         for each in (start, frozenset[tuple[int, int]]()):
             self.start(each)
             lacking = each not in self.fits or unlike_noise(self.fits[each].shot)
@@ -167,6 +175,18 @@ class Simulated:
                 break
             self.grown(self.best())
         return self.best() if self.known else start
+
+    def _rivals(self, structure: Structure) -> None:
+        """Simulate what loses little in the place of each candidate in the equations, where reversals are masked."""
+        for each in sorted(structure):
+            rest = structure - {each}
+            additions = Scan(self.found.space).additions(rest)
+            least = (1.0 - STRONG_GAIN_SHARE) * next(
+                (gain for gain, point in additions if point[0] == each[0]), math.inf
+            )
+            near = [point for gain, point in additions if point[0] != each[0] and gain > least]
+            for point in near[:RIVALS_SIMULATED]:
+                self.start(rest | {point})
 
     def _is_worthwhile(self, there: Structure, here: Structure) -> bool:
         """Whether a search goes on from a structure that came after another one."""
