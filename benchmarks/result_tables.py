@@ -106,13 +106,14 @@ def discovery_table(results: Mapping[str, Any]) -> str:
         "gap on the check / noise",
         "time [s]",
     ]
-    unknown = results["summary"].keys() - _FAMILIES
+    summary = {family.removesuffix("_wide"): row for family, row in results["summary"].items()}
+    unknown = summary.keys() - _FAMILIES
     if unknown:
         raise ValueError(f"no words for: {', '.join(sorted(unknown))}")
     rows = []
     for family, words in _FAMILIES.items():
-        if family in results["summary"]:
-            row = results["summary"][family]
+        if family in summary:
+            row = summary[family]
             false, silent = row["wrong"] + row["beside"] + row["forced"], row["missed"] + row["failed"]
             counts = [f"{count}" for count in (row["cases"], row["right"], row["half"], false, silent)]
             numbers = (
@@ -123,6 +124,26 @@ def discovery_table(results: Mapping[str, Any]) -> str:
                 _number(row["median_seconds"], ".0f"),
             )
             rows.append([words, *counts, *numbers])
+    return markdown_table(header, rows)
+
+
+def reliability_table(results: Mapping[str, Any]) -> str:
+    """How often candidates with some probability are true: all that the reports list, and those that were named."""
+    header = ["probability", "candidates", "mean probability", "true", "named", "mean probability", "true"]
+    both = [
+        {(each["from"], each["to"]): each for each in results[key]["bins"]} for key in ("of_candidates", "reliability")
+    ]
+    rows = []
+    for low, high in sorted({place for bins in both for place in bins}):
+        cells = [f"{low:g} to {high:g}"]
+        for bins in both:
+            row = bins.get((low, high))
+            cells += (
+                ["-", "-", "-"]
+                if row is None
+                else [f"{row['count']}", f"{row['probability']:.3f}", f"{row['true']:.0%}"]
+            )
+        rows.append(cells)
     return markdown_table(header, rows)
 
 

@@ -41,6 +41,7 @@ from result_tables import (  # noqa: E402
     measured_table,
     peers_table,
     rates_table,
+    reliability_table,
 )
 from trust_tables import (  # noqa: E402
     fuzz_table,
@@ -115,6 +116,8 @@ def formats() -> str:
 OF_RESULTS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "accuracy": ("analytic_two_link", accuracy_table),
     "discovery": ("discovery", discovery_table),
+    "discovery_wide": ("discovery_wide", discovery_table),
+    "reliability": ("discovery", reliability_table),
     "peers": ("peers", peers_table),
     "effect_checks": ("effects", effect_checks_table),
     "fuzz": ("fuzz", fuzz_table),

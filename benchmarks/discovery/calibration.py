@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-EDGES = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)
-"""Bins of probability, finer towards one, where most findings are; each holds its upper edge."""
+EDGES = (0.0, 0.01, 0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)
+"""Bins of probability, finer towards nothing and one, where most candidates are; each holds its upper edge."""
 
 
 def reliability(claims: Iterable[tuple[float, bool]]) -> dict[str, Any]:
@@ -39,6 +39,11 @@ def claims_of(rows: Sequence[dict[str, Any]]) -> list[tuple[float, bool]]:
     """All findings of scored cases that carry a probability."""
     claims = [claim for row in rows for claim in row.get("claims", [])]
     return [(float(c["probability"]), bool(c["true"])) for c in claims if c["probability"] is not None]
+
+
+def candidates_of(rows: Sequence[dict[str, Any]]) -> list[tuple[float, bool]]:
+    """All candidates that the reports list, named or not, with their posterior probabilities."""
+    return [(float(p), bool(true)) for row in rows for p, true in row.get("candidates", [])]
 
 
 def table(found: dict[str, Any]) -> str:

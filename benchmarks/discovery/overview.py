@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from calibration import claims_of, reliability, table
+from calibration import candidates_of, claims_of, reliability, table
 
 OUTCOMES = ("right", "half", "beside", "wrong", "missed", "forced", "failed")
 
@@ -49,7 +49,9 @@ def _of_many(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 def content_of(rows: list[dict[str, Any]]) -> dict[str, Any]:
     """What is written of scored cases."""
-    return {"summary": summary(rows), "reliability": reliability(claims_of(rows)), "cases": rows}
+    found = {"reliability": reliability(claims_of(rows)), "of_candidates": reliability(candidates_of(rows))}
+    kept = [{name: value for name, value in row.items() if name != "candidates"} for row in rows]
+    return {"summary": summary(rows), **found, "cases": kept}
 
 
 def _median(values: Iterable[float]) -> float | None:

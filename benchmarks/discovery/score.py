@@ -97,6 +97,11 @@ def score(truth: dict[str, Any], report: dict[str, Any] | None, rivals: dict[str
         row |= _many_row(truth, report)
     known = [(f, _is_true(f, truth, findings)) for f in findings]
     row["claims"] = [{"name": label(f), "probability": f.get("probability"), "true": true} for f, true in known]
+    row["candidates"] = [
+        [float(each["probability"]), _is_true(each, truth, report["considered"])]
+        for each in report.get("considered") or []
+        if each.get("probability") is not None
+    ]
     pairs = [(f, one) for one in wanted for f in findings if _names(f, one, truth)]
     row["parameters"] = [e | {"of": label(one)} for f, one in pairs for e in parameter_errors(f, one)]
     row["gap"] = {name: _over_floor(report, name) for name in ("fit", "test")}
