@@ -17,7 +17,6 @@ PACKAGE = Path(flexdyn.__file__).parent
 OWN = ("effects", "paper", "core")
 """Folders that may name effects: their own, the study of the paper, whose model is a list of effects, and the C++."""
 MAKES = {
-    "analysis/steady_curve.py": "fits a curve that is the sum of these laws, with slopes in closed form",
     "cli/examples.py": "each example hides an effect of its choice",
     "cli/health.py": "checks a motion with friction that has a closed form",
     "cli/info.py": "the key payload of its document is a word and no effect",
