@@ -192,7 +192,7 @@ def _values(entry: dataclasses.Field[Any], extent: MotionExtent) -> tuple[float,
     unit, lower, strict = (entry.metadata[key] for key in ("unit", "lower", "strict"))
     if entry.default is not dataclasses.MISSING and math.isfinite(entry.default) and entry.default != 0.0:
         values = [entry.default * factor for factor in AROUND]
-    elif entry.name == "phase":
+    elif entry.metadata["around"]:
         values = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False).tolist()
     elif unit in ("rad", "rad/s", "s"):
         size = {"rad": extent.span, "rad/s": extent.speed, "s": extent.seconds}[unit]

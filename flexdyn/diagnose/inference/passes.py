@@ -85,7 +85,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
     """
     own = everything(bare.equations)
     mask = sign_mask(bare.equations, noise)
-    start = dataclasses.replace(start, measured=frozenset({"harmonic"}))
+    start = dataclasses.replace(start, fits_cycles=True)
     here = _in_tolerance(_numbers_alone(bare, noise, mask, start), start)
     first: Library | None = None
     compared: list[Places] = []

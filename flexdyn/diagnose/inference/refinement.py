@@ -70,7 +70,7 @@ class _Line:
         self.centre = self.point[axis]
         grid = [point[axis] for point in self.candidate.points[: self.candidate.choices]]
         low, self.high = _bracket(grid, self.centre)
-        self.low = max(low, 1.0) if self.candidate.law.periodic else low
+        self.low = max(low, 1.0) if self.candidate.law.cycles else low
         self.tried = {self.centre: (space.value(here), here)}
 
     @property
@@ -98,7 +98,7 @@ class _Line:
     def natural(self) -> Structure:
         """The structure at the best value, those of harmonics that are natural among them."""
         best = self.best
-        for x in self.candidate.natural(best) if self.candidate.law.periodic else ():
+        for x in self.candidate.natural(best) if self.candidate.law.cycles else ():
             self.ask(x, outside=True)
         return self.tried[self.best][1]
 
