@@ -34,8 +34,8 @@ def batch(
     scheduler: Annotated[
         str | None, option("ADDRESS", "The Dask scheduler whose workers do the runs: tcp://host:8786.")
     ] = None,
-    resume: Annotated[bool, flag("--resume", "Go on with the store: only what is missing is done.")] = False,
-    summary: Annotated[bool, flag("--summary", "Say what is in a store, finished or not.")] = False,
+    resume: Annotated[bool, flag("--resume", "Continue a store: only missing runs are made.")] = False,
+    summary: Annotated[bool, flag("--summary", "Summarise a store, also an incomplete one.")] = False,
     views: Annotated[
         list[str] | None,
         option(

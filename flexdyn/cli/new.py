@@ -32,7 +32,7 @@ _WORDS = ("null", "true", "false", "yes", "no", "on", "off", "y", "n")
 def new(
     robot: Annotated[str, model_argument("ROBOT", "A URDF, or a robot's name.")],
     output: Annotated[Path | None, output_option("FILE", "The model file to write, .yaml.")] = None,
-    force: Annotated[bool, flag("--force", "Overwrite the file if it is there.")] = False,
+    force: Annotated[bool, flag("--force", "Overwrite an existing file.")] = False,
 ) -> None:
     """Write a commented model file of a robot.
 

@@ -11,7 +11,7 @@ import typer
 from flexdyn.cli.options import JsonOption, output_folder, output_option
 from flexdyn.cli.output import number, progress, show, show_json, table
 
-DIAGNOSES = "Hide the arm's friction from its model too, and let the diagnosis find it: a minute."
+DIAGNOSES = "Also hide the friction from the model, and let the diagnosis find it. Takes a minute."
 
 
 def paper(
