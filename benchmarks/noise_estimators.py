@@ -72,7 +72,7 @@ def rounded(random: np.random.Generator, q: Array) -> Array:
     """Counts of an encoder: a step whose rounding has the same standard deviation, from a random zero."""
     step = SIZE * np.sqrt(12.0)
     zero = random.uniform(0.0, step)
-    return step * np.round((q + zero) / step) - zero - q
+    return np.asarray(step * np.round((q + zero) / step) - zero - q)
 
 
 KINDS: Mapping[str, Callable[[np.random.Generator, Array], Array]] = {

@@ -19,6 +19,7 @@ from unittest.mock import patch
 
 import numpy as np
 from measure import arguments, conclude
+from numpy.typing import NDArray
 
 import flexdyn as fd
 from flexdyn.diagnose.data import channel_noise
@@ -31,12 +32,13 @@ from make import build, write_case
 from overview import summary
 from score import read, score
 
+Array = NDArray[np.float64]
 FAMILIES = ("none", "single", "hard")
 DEGREE, TAPER = 3, 3
 """Of a `Smoother`, as users get it."""
 
 
-def whole_noise(x: fd.Array) -> float:
+def whole_noise(x: Array) -> float:
     """All of the noise of an encoder (samples,), where the diagnosis takes what changes from sample to sample."""
     return fd.estimate_noise(np.arange(len(x)), x).std
 

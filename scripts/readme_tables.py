@@ -29,6 +29,7 @@ RESULTS = ROOT / "benchmarks" / "results"
 sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "scripts")]
 
 from constants_table import constants_table  # noqa: E402
+from coverage_runs import coverage_table  # noqa: E402
 from lines_table import lines_table  # noqa: E402
 from result_tables import (  # noqa: E402
     MEASURED,
@@ -114,6 +115,7 @@ def formats() -> str:
 
 OF_RESULTS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "accuracy": ("analytic_two_link", accuracy_table),
+    "coverage": ("coverage", coverage_table),
     "discovery": ("discovery", discovery_table),
     "peers": ("peers", peers_table),
     "effect_checks": ("effects", effect_checks_table),

@@ -79,7 +79,7 @@ def model_text(model: FlexibleJointModel, folder: Path) -> str:
         kp=kp,
         kd=kd,
         bandwidth=f"{SUGGESTED_BANDWIDTH:g}",
-        effects=list(_effects(model)),
+        effects=list(_effect_entries(model)),
         quoted=quoted,
         number=number,
         two_digits=_two_digits,
@@ -110,7 +110,7 @@ def _motion(model: FlexibleJointModel) -> tuple[float, float, float]:
     return start, start + 0.25 * min(span, high - start), start
 
 
-def _effects(model: FlexibleJointModel) -> Iterator[tuple[str, str]]:
+def _effect_entries(model: FlexibleJointModel) -> Iterator[tuple[str, str]]:
     """An entry and its units for every effect of the catalogue."""
     first, *others = model.joint_names
     prismatic = model.robot.kinds[0] == "prismatic"

@@ -49,7 +49,7 @@ def draw_law(kind: type[Effect], path: str | Path) -> None:
     file = checked_path(path)
     effect = kind.example()
     figure = law_figure(effect)
-    _head(figure, effect)
+    _write_head(figure, effect)
     save(figure, file)
 
 
@@ -85,7 +85,7 @@ def _drawing(kind: type[Effect]) -> Drawing:
     return _BY_STAGE[kind.stage]
 
 
-def _head(figure: Any, effect: Effect) -> None:
+def _write_head(figure: Any, effect: Effect) -> None:
     """Name, law and parameters."""
     values = ", ".join(f"{f.name} {getattr(effect, f.name):g} {_shown_unit(f)}".strip() for f in effect.parameters())
     figure.text(0.13, 0.93, effect.name.replace("_", " ").capitalize(), fontsize=14, fontweight="bold")

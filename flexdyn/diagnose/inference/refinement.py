@@ -24,13 +24,13 @@ def refined(space: Space, structure: Structure) -> Structure:
             if candidate.choices > 1 and candidate.proposal is not None:
                 axes += len(candidate.points[0])
                 for axis in range(len(candidate.points[0])):
-                    here = _along(space, here, c, axis)
+                    here = _best_along(space, here, c, axis)
         if axes < 2 or space.value(here) - before < NEGLIGIBLE_GAIN:
             break
     return here
 
 
-def _along(space: Space, here: Structure, c: int, axis: int) -> Structure:
+def _best_along(space: Space, here: Structure, c: int, axis: int) -> Structure:
     """The best point along one parameter: steps between the neighbours that the grid has, halved, and parabolas."""
     line = _Line(space, here, c, axis)
     if line.low == line.high:
