@@ -15,7 +15,7 @@ def coverage_table(results: Mapping[str, Any]) -> str:
     rows = [[f"`{name}`", *_cells(runs, name)] for name in names]
     rows.append(["**all**", *_cells(runs, "all")])
     rows.append(["tests: passed, failed", *(f"{run[key]:,}" for run in runs for key in ("passed", "failed"))])
-    heads = [f"{what}, {run['commit'][:8]}" for run in runs for what in ("statements", "run")]
+    heads = [f"{what}, {run['commit']}" for run in runs for what in ("statements", "run")]
     return markdown_table(["package", *heads], rows)
 
 

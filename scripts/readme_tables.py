@@ -43,6 +43,7 @@ from result_tables import (  # noqa: E402
     peers_table,
     rates_table,
 )
+from same_results import same_results_table  # noqa: E402
 from trust_tables import (  # noqa: E402
     fuzz_table,
     growth_table,
@@ -127,6 +128,7 @@ OF_RESULTS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "random_growth": ("random_growth", growth_table),
     "random_runs": ("random_runs", random_runs_table),
     "rates": ("rates", rates_table),
+    "same_results": ("same_results", same_results_table),
     "sanitizers": ("sanitizers", sanitizers_table),
     "slowest_files": ("slowest_files", slowest_table),
     "wheels": ("wheels", wheels_table),

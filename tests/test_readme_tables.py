@@ -51,6 +51,7 @@ def test_links_of_a_table_lead_from_the_page(script: ModuleType) -> None:
 
 TABLES = [
     "accuracy",
+    "coverage",
     "discovery",
     "peers",
     "effects",
@@ -67,6 +68,7 @@ TABLES = [
     "random_runs",
     "rates",
     "robots",
+    "same_results",
     "slowest_files",
     "wheels",
 ]
