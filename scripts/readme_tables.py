@@ -44,6 +44,12 @@ from result_tables import (  # noqa: E402
     rates_table,
 )
 from same_results import same_results_table  # noqa: E402
+from signal_tables import (  # noqa: E402
+    noise_estimators_table,
+    signals_in_diagnosis_table,
+    signals_on_robots_table,
+    smoothers_table,
+)
 from trust_tables import (  # noqa: E402
     fuzz_table,
     growth_table,
@@ -125,12 +131,16 @@ OF_RESULTS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "lines": ("lines", lines_table),
     "long_pages": ("long_pages", long_pages_table),
     "long_runs": ("long_runs", long_runs_table),
+    "noise_estimators": ("noise_estimators", noise_estimators_table),
     "random_growth": ("random_growth", growth_table),
     "random_runs": ("random_runs", random_runs_table),
     "rates": ("rates", rates_table),
     "same_results": ("same_results", same_results_table),
     "sanitizers": ("sanitizers", sanitizers_table),
+    "signals_in_diagnosis": ("signals_in_diagnosis", signals_in_diagnosis_table),
+    "signals_on_robots": ("signals_on_robots", signals_on_robots_table),
     "slowest_files": ("slowest_files", slowest_table),
+    "smoothers": ("smoothers", smoothers_table),
     "wheels": ("wheels", wheels_table),
 }
 """Tables of one result file: the file, and what makes the table of it. Without the file there is no table."""

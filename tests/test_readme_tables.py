@@ -64,12 +64,16 @@ TABLES = [
     "long_runs",
     "measured",
     "measured_names",
+    "noise_estimators",
     "random_growth",
     "random_runs",
     "rates",
     "robots",
     "same_results",
+    "signals_in_diagnosis",
+    "signals_on_robots",
     "slowest_files",
+    "smoothers",
     "wheels",
 ]
 
