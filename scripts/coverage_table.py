@@ -15,21 +15,27 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 
-def table(files: Mapping[str, Any]) -> str:
-    """Statements and the share of them that ran, by package; then the modules of which none ran beyond the head.
+def counts(files: Mapping[str, Any]) -> dict[str, list[int]]:
+    """Statements and those of them that ran, by package and of ``all``.
 
     Args:
         files: of coverage's JSON report, by path.
     """
-    counts: dict[str, list[int]] = {}
-    for path, found in files.items():
+    found: dict[str, list[int]] = {}
+    for path, of_file in files.items():
         parts = PurePosixPath(path).parts
-        package = parts[parts.index("flexdyn") + 1] if len(parts) - parts.index("flexdyn") > 2 else "its root"
+        start = len(parts) - 1 - parts[::-1].index("flexdyn")
+        package = parts[start + 1] if len(parts) - start > 2 else "its root"
         for name in (package, "all"):
-            both = counts.setdefault(name, [0, 0])
-            both[0] += found["summary"]["num_statements"]
-            both[1] += found["summary"]["covered_lines"]
-    rows = [f"| {name} | {count:,} | {ran / count:.1%} |" for name, (count, ran) in sorted(counts.items()) if count]
+            both = found.setdefault(name, [0, 0])
+            both[0] += of_file["summary"]["num_statements"]
+            both[1] += of_file["summary"]["covered_lines"]
+    return {name: both for name, both in sorted(found.items()) if both[0]}
+
+
+def table(files: Mapping[str, Any]) -> str:
+    """Statements and the share of them that ran, by package; then the modules of which none ran beyond the head."""
+    rows = [f"| {name} | {count:,} | {ran / count:.1%} |" for name, (count, ran) in counts(files).items()]
     untouched = [path for path, found in files.items() if not _touched(found)]
     told = "Modules of which no function ran: " + (", ".join(untouched) or "none") + "."
     return "\n".join(["| package | statements | run |", "| --- | ---: | ---: |", *rows, "", told])

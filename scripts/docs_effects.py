@@ -17,7 +17,6 @@ from ruamel.yaml import YAML
 
 import flexdyn as fd
 from flexdyn.cli.effects import meanings
-from flexdyn.errors import InputError
 from flexdyn.plots import draw_law, example_entry
 
 PROSE = ("symbols", "equation", "data", "confused_with", "seen")
@@ -51,31 +50,21 @@ def write(folder: Path, prose_file: Path) -> None:
     fresh(folder)
     prose = read_prose(prose_file)
     for name, kind in own_effects().items():
-        (folder / f"{name}.md").write_text(page(kind, prose[name], drawn(kind, folder)), encoding="utf-8")
+        draw_law(kind, folder / f"{name}.svg")
+        (folder / f"{name}.md").write_text(page(kind, prose[name]), encoding="utf-8")
 
 
-def drawn(kind: type[fd.effects.Effect], folder: Path) -> str | None:
-    """The file name of the drawing; None where the effect has no law that can be drawn."""
-    name = f"{kind.name}.svg"
-    try:
-        draw_law(kind, folder / name)
-    except InputError:
-        return None
-    return name
-
-
-def page(kind: type[fd.effects.Effect], prose: Prose, drawing: str | None) -> str:
-    """The text of one page."""
+def page(kind: type[fd.effects.Effect], prose: Prose) -> str:
+    """The text of one page; the drawing stands beside it under the same name."""
     about = inspect.cleandoc(kind.__doc__ or "").partition("\n\nArgs:")[0].replace("``", "`")
     summary, _, details = about.partition("\n\n")
-    picture = f"![The law of {kind.name}]({drawing})\n\n" if drawing else ""
     entry = ", ".join(f"{key}: {value}" for key, value in example_entry(kind, "JOINT").items())
     lines = textwrap.fill(f"- {{{entry}}}", 84, subsequent_indent="   ")
     parts = [
         f"# {kind.name}\n",
         f"{summary}\n",
         f"$$\n{prose['equation'].strip()}\n$$\n",
-        f"{picture}{details}\n",
+        f"![The law of {kind.name}]({kind.name}.svg)\n\n{details}\n",
         parameters(kind, prose["symbols"]),
         f"In a model file:\n\n```text\n{lines}\n```\n",
         f"In Python: `fd.effects.{kind.__name__}`. {neutral(kind)}\n",

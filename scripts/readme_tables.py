@@ -29,6 +29,7 @@ RESULTS = ROOT / "benchmarks" / "results"
 sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "scripts")]
 
 from constants_table import constants_table  # noqa: E402
+from coverage_runs import coverage_table  # noqa: E402
 from lines_table import lines_table  # noqa: E402
 from result_tables import (  # noqa: E402
     MEASURED,
@@ -42,6 +43,13 @@ from result_tables import (  # noqa: E402
     peers_table,
     rates_table,
     reliability_table,
+)
+from same_results import same_results_table  # noqa: E402
+from signal_tables import (  # noqa: E402
+    noise_estimators_table,
+    signals_in_diagnosis_table,
+    signals_on_robots_table,
+    smoothers_table,
 )
 from trust_tables import (  # noqa: E402
     fuzz_table,
@@ -115,6 +123,7 @@ def formats() -> str:
 
 OF_RESULTS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "accuracy": ("analytic_two_link", accuracy_table),
+    "coverage": ("coverage", coverage_table),
     "discovery": ("discovery", discovery_table),
     "discovery_wide": ("discovery_wide", discovery_table),
     "reliability": ("discovery", reliability_table),
@@ -125,11 +134,16 @@ OF_RESULTS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "lines": ("lines", lines_table),
     "long_pages": ("long_pages", long_pages_table),
     "long_runs": ("long_runs", long_runs_table),
+    "noise_estimators": ("noise_estimators", noise_estimators_table),
     "random_growth": ("random_growth", growth_table),
     "random_runs": ("random_runs", random_runs_table),
     "rates": ("rates", rates_table),
+    "same_results": ("same_results", same_results_table),
     "sanitizers": ("sanitizers", sanitizers_table),
+    "signals_in_diagnosis": ("signals_in_diagnosis", signals_in_diagnosis_table),
+    "signals_on_robots": ("signals_on_robots", signals_on_robots_table),
     "slowest_files": ("slowest_files", slowest_table),
+    "smoothers": ("smoothers", smoothers_table),
     "wheels": ("wheels", wheels_table),
 }
 """Tables of one result file: the file, and what makes the table of it. Without the file there is no table."""

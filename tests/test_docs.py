@@ -135,6 +135,16 @@ def test_the_architecture_says_where_things_are(row: list[str]) -> None:
             assert re.search(defined, text, re.MULTILINE), f"{file} does not define {word}"
 
 
+@pytest.mark.parametrize(
+    "question",
+    ["The Stribeck law", "Stick-slip", "noise", "gives an effect its name", "How to add an effect", "run is stored"],
+)
+def test_a_strangers_question_has_a_row(question: str) -> None:
+    """What somebody asks who opens the repository for the first time; the test above holds that the row is true."""
+    assert any(question in row[0] for row in rows_of_where_is_what())
+    assert "architecture.md#where-is-what" in (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+
+
 def test_the_readme_stays_short() -> None:
     """What a visitor needs, on 150 lines; the rest is in docs/."""
     assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 150

@@ -17,7 +17,6 @@ PACKAGE = Path(flexdyn.__file__).parent
 OWN = ("effects", "paper", "core")
 """Folders that may name effects: their own, the study of the paper, whose model is a list of effects, and the C++."""
 MAKES = {
-    "analysis/steady_curve.py": "fits a curve that is the sum of these laws, with slopes in closed form",
     "cli/examples.py": "each example hides an effect of its choice",
     "cli/health.py": "checks a motion with friction that has a closed form",
     "cli/info.py": "the key payload of its document is a word and no effect",
@@ -31,6 +30,15 @@ MAKES = {
     "simulation/limits.py": "makes effects of the URDF's <limit>",
 }
 """Files that name single effects -> why: nearly all of them because they make effects of something else."""
+ALSO_ELSEWHERE = {
+    "damping": "of a joint, and of the URDF's <dynamics>",
+    "stiffness": "of a joint",
+    "offset": "a number of the linear regressor",
+    "factor": "of the error of a number, in files of a diagnosis",
+    "lower": "the bound of a parameter",
+    "cubic": "the kind of an interpolation",
+}
+"""Names of parameters of effects that `analysis` and `diagnose` write for something else -> what."""
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] not in OWN)
 
 
@@ -82,3 +90,16 @@ def test_code_names_no_single_effect(folder: str) -> None:
     naming = {path.relative_to(PACKAGE).as_posix(): found for path in inside if (found := named(path))}
     assert not {file: found for file, found in naming.items() if file not in MAKES}
     assert {file for file in MAKES if file.split("/")[0] == folder} <= naming.keys()
+
+
+@pytest.mark.parametrize("folder", ["analysis", "diagnose"])
+def test_code_names_no_parameter_of_an_effect(folder: str) -> None:
+    """It asks for what the parameter or its class declares: `cycles`, `around`, `step`, `chosen`, `by_factor`."""
+    own = [kind for kind in catalogue().values() if kind.__module__.startswith("flexdyn.")]
+    names = {field.name for kind in own for field in kind.parameters()} - ALSO_ELSEWHERE.keys()
+    for path in sorted((PACKAGE / folder).rglob("*.py")):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        words = {
+            node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)
+        }
+        assert not words & names, path

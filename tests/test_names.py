@@ -1,4 +1,4 @@
-"""One name, one meaning: classes and constants of flexdyn; and the tables of constants in docs/diagnosis.md."""
+"""One name, one meaning: classes, constants, private functions; and the table of constants in docs/diagnosis.md."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import ast
 import math
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -31,8 +31,13 @@ BUDGETS = {
 """Constants of those folders that change no result."""
 
 
-def constants(path: Path) -> Iterator[tuple[str, ast.expr]]:
-    """The upper-case names of a module that hold numbers and no text, with the expressions of their values."""
+def constants(path: Path, holds: Callable[[ast.expr], bool] | None = None) -> Iterator[tuple[str, ast.expr]]:
+    """The upper-case names of a module that hold numbers and no text, with the expressions of their values.
+
+    Args:
+        path: of the module.
+        holds: whether a value counts; default: numbers and no text.
+    """
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
         if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
             continue
@@ -40,13 +45,22 @@ def constants(path: Path) -> Iterator[tuple[str, ast.expr]]:
             several = isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple)
             pairs = zip(target.elts, node.value.elts, strict=True) if several else [(target, node.value)]  # type: ignore[attr-defined]
             for name, value in pairs:
-                if isinstance(name, ast.Name) and name.id.isupper() and _is_number(value):
+                if isinstance(name, ast.Name) and name.id.isupper() and (holds or _is_number)(value):
                     yield name.id, value
 
 
 def _is_number(value: ast.expr) -> bool:
     leaves = [type(each.value) for each in ast.walk(value) if isinstance(each, ast.Constant)]
     return str not in leaves and bytes not in leaves and (int in leaves or float in leaves)
+
+
+def _is_text(value: ast.expr) -> bool:
+    return any(isinstance(each, ast.Constant) and isinstance(each.value, str) for each in ast.walk(value))
+
+
+def package_of(path: Path) -> str:
+    """The folder at the root of flexdyn that a module is in."""
+    return path.relative_to(PACKAGE).parts[0]
 
 
 def test_a_constant_has_one_value() -> None:
@@ -57,6 +71,26 @@ def test_a_constant_has_one_value() -> None:
             values[name][ast.unparse(value)].append(path.relative_to(PACKAGE).as_posix())
     several = {name: dict(found) for name, found in values.items() if len(found) > 1}
     assert not several
+
+
+def test_a_text_has_one_name_and_one_place() -> None:
+    """Texts: a name stands for one in its package, and no two modules of any packages write the same one again."""
+    places: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for path in FILES:
+        for name, value in constants(path, _is_text):
+            for key in ((name, package_of(path)), (name, ast.unparse(value))):
+                places[key].append(path.relative_to(PACKAGE).as_posix())
+    assert not {name: found for (name, _), found in places.items() if len(found) > 1}
+
+
+def test_a_private_function_name_is_defined_once_in_a_package() -> None:
+    """Who searches a package for a name finds one function. Public names repeat where formats share an interface."""
+    places: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for path in FILES:
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.FunctionDef) and node.name.startswith("_") and not node.name.endswith("__"):
+                places[node.name, package_of(path)].append(path.relative_to(PACKAGE).as_posix())
+    assert not {name: found for name, found in places.items() if len(found) > 1}
 
 
 def test_a_public_class_name_is_defined_once() -> None:

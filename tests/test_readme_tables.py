@@ -51,6 +51,7 @@ def test_links_of_a_table_lead_from_the_page(script: ModuleType) -> None:
 
 TABLES = [
     "accuracy",
+    "coverage",
     "discovery",
     "peers",
     "effects",
@@ -63,11 +64,16 @@ TABLES = [
     "long_runs",
     "measured",
     "measured_names",
+    "noise_estimators",
     "random_growth",
     "random_runs",
     "rates",
     "robots",
+    "same_results",
+    "signals_in_diagnosis",
+    "signals_on_robots",
     "slowest_files",
+    "smoothers",
     "wheels",
 ]
 

@@ -2,32 +2,50 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 import numpy as np
 
 from flexdyn.analysis.steady_points import SteadyPoint
 from flexdyn.arrays import Array, Flags
+from flexdyn.effects import registered
 from flexdyn.effects.catalogue import find_effect
 
-LAWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {"stribeck_friction": ("excess", "velocity"), "quadratic_drag": ("coefficient",)}
-)
-"""Laws that are tried in addition to Coulomb and viscous friction, and their parameters."""
-SLOWEST_STRIBECK_SHARE = 0.5
-"""No Stribeck velocity below this share of the slowest speed is tried: the data would hardly show it [1]."""
-FASTEST_STRIBECK_SHARE = 0.5
-"""No Stribeck velocity above this share of the highest speed is believed: the data show no more than a curve [1]."""
-VELOCITY = "stribeck_friction.velocity"
-EXCESS = "stribeck_friction.excess"
-ALWAYS = MappingProxyType({"level": "coulomb_friction.level", "viscous": "viscous_friction.coefficient"})
-"""Parameters of every curve, and those of the effects that they are."""
+SLOWEST_SHARE = 0.5
+"""No speed of a law is tried below this share of the slowest recorded speed: the data would hardly show it [1]."""
+FASTEST_SHARE = 0.5
+"""No speed of a law is believed above this share of the highest recorded one: data show no more than a curve [1]."""
+SPEEDS_TRIED = 60
+"""Values that are tried of a law's speed."""
+SPEED_SLOPE_STEP = 1e-5
+"""Relative step of the slope by a law's speed [1]: rounding and curvature then are about 1e-10 of the slope."""
 LIKELY = 3.84
 """Rise of the sum of squared normalised residuals at the ends of an interval of 95 % [1]: a likelihood ratio, the
 quantile of chi^2 with one degree of freedom."""
+
+
+def _always(regressed: str) -> str:
+    """Law and parameter of which every curve has one: the law that declares this place in a linear regressor."""
+    kind = next(each for each in registered().values() if each.regressed == regressed)
+    return f"{kind.name}.{kind.linear[0]}"
+
+
+LEVEL, VISCOUS = _always("coulomb"), _always("viscous")
+"""Law and parameter of the part that does not depend on the speed, and of the part in proportion to it."""
+
+
+def tried_laws() -> tuple[str, ...]:
+    """Laws that are tried in addition to Coulomb and viscous friction: those that declare it by `steady`."""
+    return tuple(kind.name for kind in registered().values() if kind.steady)
+
+
+def numbers_of_law(law: str) -> tuple[str, ...]:
+    """Names of the parameters of a law that a fit estimates: what it is linear in, then its speeds."""
+    kind = find_effect(law)
+    return (*kind.linear, *kind.axes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,11 +81,11 @@ class FrictionCurve:
     """A fitted curve.
 
     Attributes:
-        names: names of its parameters.
+        names: law and name of its parameters.
         values: their values.
         covariance: their covariance, for small errors.
         chi2: sum of squared normalised residuals.
-        near: curves with other Stribeck velocities that fit nearly as well.
+        near: curves with other speeds of the laws that fit nearly as well.
     """
 
     names: tuple[str, ...]
@@ -78,31 +96,31 @@ class FrictionCurve:
 
     @classmethod
     def fitted(cls, points: DirectionPoints, laws: Sequence[str], fastest: float = 1.0) -> FrictionCurve:
-        """Least squares with the Stribeck velocity on a grid, up to this share of the highest speed."""
-        names = ["level", "viscous", *(f"{law}.{name}" for law in laws for name in LAWS[law])]
-        if "stribeck_friction" not in laws:
-            return cls._at(points, names, None)
-        grid = np.geomspace(SLOWEST_STRIBECK_SHARE * points.u.min(), fastest * points.u.max(), 60)
-        curves = [cls._at(points, names, float(each)) for each in grid]
+        """Least squares with the laws' speeds on a grid, up to this share of the highest recorded speed."""
+        names = [LEVEL, VISCOUS, *(f"{law}.{name}" for law in laws for name in numbers_of_law(law))]
+        speeds = [name for name in names if _is_speed(name)]
+        if not speeds:
+            return cls._at(points, names, {})
+        grid = np.geomspace(SLOWEST_SHARE * points.u.min(), fastest * points.u.max(), SPEEDS_TRIED).tolist()
+        tried = itertools.product(grid, repeat=len(speeds))
+        curves = [cls._at(points, names, dict(zip(speeds, each, strict=True))) for each in tried]
         best = min(curves, key=lambda curve: curve.chi2)
         return replace(best, near=tuple(curve for curve in curves if curve.chi2 - best.chi2 < LIKELY))
 
     @classmethod
-    def _at(cls, points: DirectionPoints, names: Sequence[str], velocity: float | None) -> FrictionCurve:
-        """The curve that fits best where the Stribeck velocity is given; None: it has no such law."""
+    def _at(cls, points: DirectionPoints, names: Sequence[str], speeds: Mapping[str, float]) -> FrictionCurve:
+        """The curve that fits best where the speeds of its laws are given."""
         u, tau, std = points.u, points.tau, points.std
-        X = np.stack([_column(name, u, velocity) for name in names], axis=1) / std[:, None]
-        linear = [k for k, name in enumerate(names) if name != VELOCITY]
-        values = np.zeros(len(names))
-        values[linear] = _physical(X[:, linear], tau / std)
-        left = tau / std - X[:, linear] @ values[linear]
-        if velocity is not None:
-            at = names.index(VELOCITY)
-            values[at] = velocity
-            X[:, at] *= values[names.index(EXCESS)]
-        length = np.linalg.norm(X, axis=0)
+        linear = [name for name in names if name not in speeds]
+        X = np.stack([_column(name, u, speeds) for name in linear], axis=1) / std[:, None]
+        numbers = dict(zip(linear, _physical(X, tau / std).tolist(), strict=True)) | dict(speeds)
+        left = tau / std - X @ np.array([numbers[name] for name in linear])
+        by_name = dict(zip(linear, X.T, strict=True)) | {name: _slope(name, u, numbers) / std for name in speeds}
+        slopes = np.stack([by_name[name] for name in names], axis=1)
+        length = np.linalg.norm(slopes, axis=0)
         length[length == 0.0] = 1.0
-        inverse = np.linalg.pinv((X / length).T @ (X / length), hermitian=True) / np.outer(length, length)
+        inverse = np.linalg.pinv((slopes / length).T @ (slopes / length), hermitian=True) / np.outer(length, length)
+        values = np.array([numbers[name] for name in names])
         return cls(tuple(names), values, np.asarray(inverse), float(left @ left))
 
     @property
@@ -122,29 +140,51 @@ class FrictionCurve:
     def interval(self, name: str) -> tuple[float, float]:
         """Interval of 95 % by the profile likelihood: the parameters of a broad rise are far from Gaussian."""
         ends = []
+        k, fixed = self.names.index(name), [k for k, each in enumerate(self.names) if _is_speed(each)]
         for curve in self.near or (self,):
-            k, C = self.names.index(name), curve.covariance
-            variance = C[k, k]
-            if self.near:
-                at = self.names.index(VELOCITY)
-                variance = C[k, k] - C[k, at] ** 2 / C[at, at] if name != VELOCITY and C[at, at] > 0.0 else 0.0
+            variance = curve._variance(k, fixed)
             half = math.sqrt(max(0.0, variance * (LIKELY - curve.chi2 + self.chi2)))
             ends += [float(curve.values[k] - half), float(curve.values[k] + half)]
         return min(ends), max(ends)
 
+    def _variance(self, k: int, fixed: Sequence[int]) -> float:
+        """Variance of a parameter where those of other places are fixed; 0 where the curve does not depend on one."""
+        C = self.covariance
+        if k in fixed or not all(C[at, at] > 0.0 for at in fixed):
+            return 0.0
+        return float(C[k, k] - C[k, fixed] @ np.linalg.pinv(C[np.ix_(fixed, fixed)], hermitian=True) @ C[fixed, k])
+
     def at(self, u: Array) -> Array:
         """The curve (speeds,)."""
         known = dict(zip(self.names, self.values.tolist(), strict=True))
-        velocity = known.pop(VELOCITY, None)
-        return np.asarray(sum(value * _column(name, u, velocity) for name, value in known.items()))
+        return np.asarray(sum(value * _column(name, u, known) for name, value in known.items() if not _is_speed(name)))
 
 
-def _column(name: str, u: Array, velocity: float | None) -> Array:
-    """Derivative of the curve by a parameter; the one by the velocity is for an excess of 1."""
-    if velocity is not None and name == VELOCITY:
-        return u / velocity**2 * _column(EXCESS, u, velocity)
-    law, parameter = ALWAYS.get(name, name).split(".")
-    numbers = {parameter: 1.0} | ({"velocity": velocity} if name == EXCESS else {})
+def _is_speed(name: str) -> bool:
+    """Whether a law is not linear in a parameter: it is a speed, of which a grid is tried."""
+    law, parameter = name.split(".")
+    return parameter in find_effect(law).axes
+
+
+def _column(name: str, u: Array, speeds: Mapping[str, float]) -> Array:
+    """Derivative of the curve by a parameter that it is linear in."""
+    law, parameter = name.split(".")
+    kind = find_effect(law)
+    alone = {each: float(each == parameter) for each in kind.linear}
+    return _torque(law, u, alone | {each: speeds[f"{law}.{each}"] for each in kind.axes})
+
+
+def _slope(name: str, u: Array, numbers: Mapping[str, float]) -> Array:
+    """Derivative of the curve by a speed of one of its laws."""
+    law, parameter = name.split(".")
+    own = {each: numbers[f"{law}.{each}"] for each in numbers_of_law(law)}
+    step = SPEED_SLOPE_STEP * own[parameter]
+    above, below = (_torque(law, u, own | {parameter: own[parameter] + h}) for h in (step, -step))
+    return (above - below) / (2.0 * step)
+
+
+def _torque(law: str, u: Array, numbers: Mapping[str, float]) -> Array:
+    """The torque against a motion at these speeds."""
     return find_effect(law).from_dict({"joint": "joint", "side": "motor", **numbers}).torque(0.0, u)
 
 

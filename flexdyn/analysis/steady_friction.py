@@ -10,15 +10,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.analysis.steady_curve import (
-    FASTEST_STRIBECK_SHARE,
-    LAWS,
-    SLOWEST_STRIBECK_SHARE,
+    FASTEST_SHARE,
+    LEVEL,
+    SLOWEST_SHARE,
+    VISCOUS,
     DirectionPoints,
     FrictionCurve,
+    numbers_of_law,
+    tried_laws,
 )
 from flexdyn.analysis.steady_points import SteadyPoint
 from flexdyn.arrays import Array
 from flexdyn.effects import effect_from_dict
+from flexdyn.effects.catalogue import find_effect
 from flexdyn.errors import InputError
 from flexdyn.io.locked import Locked
 
@@ -30,8 +34,6 @@ SURE = 3.0
 """Standard deviations by which its coefficient must be above zero: root of the decrease of chi^2."""
 PREDICTION_RISE = 4.0
 """If the squared errors at points that were not fitted increase by more than this, they contradict a law."""
-SETS = [laws for count in range(len(LAWS) + 1) for laws in itertools.combinations(LAWS, count)]
-"""All sets of laws, the smaller ones first."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ class SteadyFriction:
         level: the part of the torque that does not depend on the speed, and its standard deviation: Coulomb friction
             plus load or gravity, which one direction alone cannot separate [N m or N].
         viscous: coefficient and standard deviation [N m s/rad or N s/m].
-        trials: of every law of `LAWS`.
+        trials: of every law that declares `steady`.
         scatter: of the points about the curve, in units of their own standard deviations [1].
         speeds: number of speeds.
 
@@ -147,20 +149,22 @@ def steady_friction(points: Sequence[SteadyPoint], check: Sequence[SteadyPoint] 
 
 def _of_direction(direction: int, points: DirectionPoints, check: DirectionPoints) -> SteadyFriction:
     """Friction in one direction: which laws are named, and the numbers of those that are."""
-    whole = FrictionCurve.fitted(points, tuple(LAWS))
+    tried = tried_laws()
+    sets = [laws for count in range(len(tried) + 1) for laws in itertools.combinations(tried, count)]
+    whole = FrictionCurve.fitted(points, tried)
     scatter = math.sqrt(whole.chi2 / max(1, len(points.u) - whole.size))
     points, check = (each.scaled(max(1.0, scatter)) for each in (points, check))
-    believed = {laws: FrictionCurve.fitted(points, laws, FASTEST_STRIBECK_SHARE) for laws in SETS}
+    believed = {laws: FrictionCurve.fitted(points, laws, FASTEST_SHARE) for laws in sets}
     bic = {laws: curve.bic(len(points.u)) for laws, curve in believed.items()}
     named = min(bic, key=lambda laws: bic[laws])
     while True:  # a law that is not named no longer stands beside the others, but stays their rival
-        trials = tuple(_trial(law, points, check, tuple(each for each in named if each != law), bic) for law in LAWS)
+        trials = tuple(_trial(law, points, check, tuple(each for each in named if each != law), bic) for law in tried)
         refused = [each.effect for each in trials if each.effect in named and not each.named]
         if not refused:
             break
         named = tuple(law for law in named if law not in refused)
     now = FrictionCurve.fitted(points, [each.effect for each in trials if each.named])
-    return SteadyFriction(direction, now.number("level"), now.number("viscous"), trials, scatter, len(points.u))
+    return SteadyFriction(direction, now.number(LEVEL), now.number(VISCOUS), trials, scatter, len(points.u))
 
 
 def _trial(
@@ -171,14 +175,14 @@ def _trial(
     bic: Mapping[tuple[str, ...], float],
 ) -> LawTrial:
     """Whether one law is named beside others, and if not, why."""
-    laws = tuple(each for each in LAWS if each in (*others, law))
+    laws = tuple(each for each in tried_laws() if each in (*others, law))
     without, curve = FrictionCurve.fitted(points, others), FrictionCurve.fitted(points, laws)
     rival = min((each for each in bic if law not in each), key=lambda each: bic[each])
     drop = bic[rival] - curve.bic(len(points.u))
     odd = np.arange(len(points.u)) % 2 == 1
     one, two = (_predicted(points.part(half), points.part(~half), others, laws) for half in (~odd, odd))
     checked = check.off(without) - check.off(curve)
-    numbers = {name: curve.number(f"{law}.{name}") for name in LAWS[law]}
+    numbers = {name: curve.number(f"{law}.{name}") for name in numbers_of_law(law)}
     why = ""
     if without.chi2 - curve.chi2 < SURE**2:
         why = "its coefficient is not significantly above zero"
@@ -188,11 +192,11 @@ def _trial(
         why = f"{' and '.join(each for each in rival if each not in others)} explains the runs as well or better"
     elif min(one, two) < 0.0 or one + two < DECISIVE_DROP:
         why = "other speeds do not confirm it"
-    elif "velocity" in numbers and not _within(numbers["velocity"][0], points.u):
-        why = "its velocity is outside the recorded speeds"
+    elif outside := [name for name in find_effect(law).axes if not _within(numbers[name][0], points.u)]:
+        why = f"its {outside[0]} is outside the recorded speeds"
     elif checked < -PREDICTION_RISE:
         why = "runs that were not used in the fit contradict it"
-    intervals = {name: curve.interval(f"{law}.{name}") for name in LAWS[law]}
+    intervals = {name: curve.interval(f"{law}.{name}") for name in numbers_of_law(law)}
     return LawTrial(law, not why, numbers, intervals, drop, (one, two), checked, why)
 
 
@@ -202,5 +206,5 @@ def _predicted(fit: DirectionPoints, rest: DirectionPoints, *laws: tuple[str, ..
     return before - after
 
 
-def _within(velocity: float, u: Array) -> bool:
-    return bool(1.01 * SLOWEST_STRIBECK_SHARE * u.min() < velocity < FASTEST_STRIBECK_SHARE * u.max())
+def _within(speed: float, u: Array) -> bool:
+    return bool(1.01 * SLOWEST_SHARE * u.min() < speed < FASTEST_SHARE * u.max())

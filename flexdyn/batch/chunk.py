@@ -73,7 +73,7 @@ class Task:
         runs = cases.study.bounds(chunk)
         numbers = table(cases.study, runs)
         made = _simulated(cases, numbers, len(runs), stopped)
-        _opened(self).write(chunk, _columns(cases, numbers, made))
+        _opened(self).write(chunk, _store_columns(cases, numbers, made))
         return Done(chunk, len(runs), sum(reason != "" for reason in made.reasons))
 
 
@@ -142,7 +142,7 @@ def _case(cases: Cases, values: Mapping[str, float]) -> Case | FlexdynError:
         return error
 
 
-def _columns(cases: Cases, numbers: Numbers, made: Made) -> dict[str, Any]:
+def _store_columns(cases: Cases, numbers: Numbers, made: Made) -> dict[str, Any]:
     """The data of a chunk for the store, by the name of the array."""
     metrics, count = cases.metrics, len(made.reasons)
     measured = np.full((len(metrics), count), np.nan)

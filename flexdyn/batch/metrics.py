@@ -73,7 +73,7 @@ def metrics_of(
         with placed(key=f"metrics[{i}]"):
             each = metric(name, folder)
             _check_needs(each, model, aim)
-        found.append(replace(each, unit=_SLIDING.get(each.unit, each.unit)) if _slides(model, each) else each)
+        found.append(replace(each, unit=_SLIDING.get(each.unit, each.unit)) if _joints_slide(model, each) else each)
     return tuple(found)
 
 
@@ -115,7 +115,7 @@ def _check_needs(each: Metric, model: FlexibleJointModel, aim: Aim) -> None:
         raise InputError("the arm has joints that turn and joints that slide", value=each.name, remedy=remedy)
 
 
-def _slides(model: FlexibleJointModel, each: Metric) -> bool:
+def _joints_slide(model: FlexibleJointModel, each: Metric) -> bool:
     """Whether the joints of a metric are prismatic."""
     kinds = model.robot.kinds
     return "alike" in each.needs and (kinds[model.index(each.joint)] if each.joint else kinds[0]) == "prismatic"

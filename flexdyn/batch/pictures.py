@@ -45,7 +45,7 @@ def draw_results(
         blocks += trajectories(results, kept, notes)
         keys = trajectory_keys()
     if {"metrics", "sensitivities"} & set(wanted):
-        columns = _columns(results, metrics, parameters, notes, chosen=views is not None)
+        columns = _drawn_columns(results, metrics, parameters, notes, chosen=views is not None)
         if columns is not None:
             if "metrics" in wanted:
                 blocks += scatter(_strongest(columns, parameters, notes))
@@ -66,7 +66,7 @@ def draw_results(
     return arrange(short(results.path.name), notes, keys, blocks)
 
 
-def _columns(
+def _drawn_columns(
     results: Results, metrics: Sequence[str] | None, parameters: Sequence[str] | None, notes: list[str], *, chosen: bool
 ) -> MetricColumns | None:
     """The metrics and parameters to be drawn; None if there are none."""

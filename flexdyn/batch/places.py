@@ -119,7 +119,7 @@ def places(model: FlexibleJointModel, command: Any) -> dict[str, NumberPlace]:
             found[f"initial.{signal}.{name}"] = NumberPlace(_joint_unit(unit, slides), "initial", (signal,), joints)
     for i, effect in enumerate(model.effects):
         for parameter in effect.parameters():
-            unit = unit_for(parameter.metadata["unit"], prismatic=_slides(effect, kinds))
+            unit = unit_for(parameter.metadata["unit"], prismatic=_effect_slides(effect, kinds))
             found[f"effects[{i}].{parameter.name}"] = NumberPlace(unit, "effects", (i,), (parameter.name,))
     for i in range(3):
         found[f"robot.gravity[{i}]"] = NumberPlace("m/s^2", "gravity", (i,))
@@ -148,6 +148,6 @@ def _joint_unit(unit: str, slides: bool) -> str:
     return unit_for(unit, prismatic=slides)
 
 
-def _slides(effect: Effect, kinds: Mapping[str, str]) -> bool:
+def _effect_slides(effect: Effect, kinds: Mapping[str, str]) -> bool:
     """Whether an effect acts on a prismatic joint."""
     return kinds.get(effect.joint if isinstance(effect, JointEffect) else "") == "prismatic"

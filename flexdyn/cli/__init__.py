@@ -32,7 +32,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     with warnings.catch_warnings():
         warnings.showwarning = show_warning
         try:
-            code = _run(arguments)
+            code = _run_command(arguments)
             sys.stdout.flush()
         except SystemExit as done:
             if completion.asked():  # click answers a shell and leaves
@@ -48,7 +48,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return code
 
 
-def _run(arguments: list[str]) -> int:
+def _run_command(arguments: list[str]) -> int:
     """Run a command; its exit code."""
     from flexdyn.cli.app import build
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from flexdyn.batch.summary import Summary
 
 # Arguments of the Python interface -> what the user typed.
-NAMES = {"workers": "--workers", "scheduler": "--scheduler", "extract": "--extract", "views": "--view"}
+OPTION_OF_ARGUMENT = {"workers": "--workers", "scheduler": "--scheduler", "extract": "--extract", "views": "--view"}
 METRICS = ("metric", "unit", "runs", "mean", "std", "least", "5 %", "median", "95 %", "greatest", "of run")
 REPORT_QUANTILES = (0.05, 0.5, 0.95)
 STRONGEST = 3
@@ -34,8 +34,8 @@ def batch(
     scheduler: Annotated[
         str | None, option("ADDRESS", "The Dask scheduler whose workers do the runs: tcp://host:8786.")
     ] = None,
-    resume: Annotated[bool, flag("--resume", "Go on with the store: only what is missing is done.")] = False,
-    summary: Annotated[bool, flag("--summary", "Say what is in a store, finished or not.")] = False,
+    resume: Annotated[bool, flag("--resume", "Continue a store: only missing runs are made.")] = False,
+    summary: Annotated[bool, flag("--summary", "Summarise a store, also an incomplete one.")] = False,
     views: Annotated[
         list[str] | None,
         option(
@@ -56,16 +56,16 @@ def batch(
     asked = [name for name, given in (("--summary", summary), ("--extract", extract is not None)) if given]
     if len(asked) > 1:
         raise InputError("one at a time", key=" ".join(asked), remedy="leave one of the two out")
-    with naming(NAMES, file=target, files={}):
+    with naming(OPTION_OF_ARGUMENT, file=target, files={}):
         if extract is not None:
             _extract(target, extract, output, as_json)
         elif summary:
             _summarise(target, output, views, as_json)
         else:
-            _run(target, output, workers, scheduler, resume, as_json)
+            _run_with_progress(target, output, workers, scheduler, resume, as_json)
 
 
-def _run(
+def _run_with_progress(
     study: Path, output: Path | None, workers: int | None, scheduler: str | None, resume: bool, as_json: bool
 ) -> None:
     """Run a study, show its progress, and print a summary."""

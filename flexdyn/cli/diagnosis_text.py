@@ -15,7 +15,7 @@ from flexdyn.diagnose.report.sentences import gap_sentence, model_sentence, stop
 from flexdyn.diagnose.report.words import finding_phrase, plain_phrase, suspect_phrase
 
 EVIDENCE = ("no.", "finding", "p", "ln B", "share")
-NUMBERS = ("no.", "if it is", "parameter", "estimate", "unit", "95 % interval")
+NUMBER_COLUMNS = ("no.", "if it is", "parameter", "estimate", "unit", "95 % interval")
 ERRORS = ("joint", "torque error", "of torque", "position error", "in noise")
 LEGEND = {
     "p": 'posterior probability; of an "A or B" that of all its names together',
@@ -41,8 +41,12 @@ def diagnosis_text(diagnosis: Diagnosis, folder: Path) -> Iterator[Any]:
         yield table("Findings", EVIDENCE, list(_findings(diagnosis)), right=EVIDENCE[2:], legend=LEGEND)
         numbers = list(_numbers(diagnosis))
         if numbers:
-            columns = NUMBERS if any(finding.rivals for finding in diagnosis.findings) else (NUMBERS[0], *NUMBERS[2:])
-            kept = [NUMBERS.index(name) for name in columns]
+            columns = (
+                NUMBER_COLUMNS
+                if any(finding.rivals for finding in diagnosis.findings)
+                else (NUMBER_COLUMNS[0], *NUMBER_COLUMNS[2:])
+            )
+            kept = [NUMBER_COLUMNS.index(name) for name in columns]
             yield table("Their numbers", columns, [[row[k] for k in kept] for row in numbers], right=("estimate",))
     yield gap_sentence(diagnosis)
     if diagnosis.errors:

@@ -12,7 +12,7 @@ FAULT = 1
 
 
 def doctor(as_json: JsonOption = False) -> int:
-    """Say which versions and extras are installed, and test in a second that they work.
+    """Show which versions and extras are installed, and test in a second that they work.
 
     Paste the output into a bug report. Exit code 1 if a test fails.
     """

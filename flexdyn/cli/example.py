@@ -18,7 +18,9 @@ def example(
     name: Annotated[
         str | None,
         typer.Argument(
-            metavar="NAME", help="Which; without a name they are listed.", autocompletion=completion.examples
+            metavar="NAME",
+            help="The example to write. Without a name, all are listed.",
+            autocompletion=completion.examples,
         ),
     ] = None,
     output: Annotated[Path | None, output_option("DIR", "Folder to write to; default: NAME.")] = None,

@@ -33,7 +33,7 @@ DRIVES = {
     "f free": "the same with its rotor free",
 }
 """Meanings of the symbols of the drives."""
-NUMBERS = ("gear_ratio", "reflected_inertia", "stiffness", "damping", "q", "inertia")
+DRIVE_COLUMNS = ("gear_ratio", "reflected_inertia", "stiffness", "damping", "q", "inertia")
 FREQUENCIES = ("locked_rotor_frequency", "free_frequency")
 
 
@@ -74,7 +74,7 @@ def info(
         return
     limits = table("Joints", ("joint", "type", "range", "speed", "effort"), found.model.robot.limit_rows())
     show(_head(document), limits, _drives(document), motors(document["joints"]))
-    show(_axes(document), _followers(document), _effects(document))
+    show(_axes(document), _followers(document), _effects_table(document))
     if modes:
         show(*cli_modes.tables(document["modes"], {joint["name"]: joint["elastic"] for joint in document["joints"]}))
     if picture is not None:
@@ -199,7 +199,7 @@ def _drives(document: Mapping[str, Any]) -> Any:
         (
             joint["name"],
             "elastic" if joint["elastic"] else "rigid",
-            *(number(joint[key]) for key in NUMBERS),
+            *(number(joint[key]) for key in DRIVE_COLUMNS),
             *("-" if joint[key] is None else f"{number(joint[key])} Hz" for key in FREQUENCIES),
         )
         for joint in document["joints"]
@@ -224,7 +224,7 @@ def _followers(document: Mapping[str, Any]) -> Any:
     return table("Mimic joints", ("joint", "follows", "times", "plus"), rows, right=("times", "plus")) if rows else None
 
 
-def _effects(document: Mapping[str, Any]) -> Any:
+def _effects_table(document: Mapping[str, Any]) -> Any:
     rows = []
     for effect in document["effects"]:
         numbers = [f"{key} {number(entry['value'])} {entry['unit']}" for key, entry in effect["parameters"].items()]

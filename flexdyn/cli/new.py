@@ -32,7 +32,7 @@ _WORDS = ("null", "true", "false", "yes", "no", "on", "off", "y", "n")
 def new(
     robot: Annotated[str, model_argument("ROBOT", "A URDF, or a robot's name.")],
     output: Annotated[Path | None, output_option("FILE", "The model file to write, .yaml.")] = None,
-    force: Annotated[bool, flag("--force", "Overwrite the file if it is there.")] = False,
+    force: Annotated[bool, flag("--force", "Overwrite an existing file.")] = False,
 ) -> None:
     """Write a commented model file of a robot.
 
@@ -79,7 +79,7 @@ def model_text(model: FlexibleJointModel, folder: Path) -> str:
         kp=kp,
         kd=kd,
         bandwidth=f"{SUGGESTED_BANDWIDTH:g}",
-        effects=list(_effects(model)),
+        effects=list(_effect_entries(model)),
         quoted=quoted,
         number=number,
         two_digits=_two_digits,
@@ -110,7 +110,7 @@ def _motion(model: FlexibleJointModel) -> tuple[float, float, float]:
     return start, start + 0.25 * min(span, high - start), start
 
 
-def _effects(model: FlexibleJointModel) -> Iterator[tuple[str, str]]:
+def _effect_entries(model: FlexibleJointModel) -> Iterator[tuple[str, str]]:
     """An entry and its units for every effect of the catalogue."""
     first, *others = model.joint_names
     prismatic = model.robot.kinds[0] == "prismatic"

@@ -11,7 +11,7 @@ import typer
 from flexdyn.cli.options import JsonOption, output_folder, output_option
 from flexdyn.cli.output import number, progress, show, show_json, table
 
-DIAGNOSES = "Hide the arm's friction from its model too, and let the diagnosis find it: a minute."
+DIAGNOSES = "Also hide the friction from the model, and let the diagnosis find it. Takes a minute."
 
 
 def paper(
@@ -50,9 +50,9 @@ def _found(summary: Mapping[str, Any], output: Path) -> Iterator[Any]:
     from flexdyn.diagnose import Number
     from flexdyn.diagnose.report.digits import estimate_text, times
     from flexdyn.diagnose.report.words import effect_name, place_phrase
-    from flexdyn.paper.hidden_friction import FOLDER, TITLE
+    from flexdyn.paper.hidden_friction import CHAPTER_TITLE, FOLDER
 
-    told = summary["numbers"][TITLE]
+    told = summary["numbers"][CHAPTER_TITLE]
     rows = []
     for each in told["hidden"]:
         estimate = None if each["found"] is None else Number(each["found"], each["std"], each["unit"])
@@ -60,7 +60,7 @@ def _found(summary: Mapping[str, Any], output: Path) -> Iterator[Any]:
         name = f"{effect_name(each['effect'])} {place_phrase(each['joint'], each['side'])}"
         rows.append((name, each["parameter"], number(each["true"]), found))
     columns = ("hidden", "number", "true", "found")
-    yield table(TITLE, columns, rows, right=columns[2:])
+    yield table(CHAPTER_TITLE, columns, rows, right=columns[2:])
     steps = [(each["name"], times(each["gap"])) for each in told["gap"]]
     yield table("Gap on data not used in the fit", ("model", "in units of noise"), steps, right=("in units of noise",))
     yield f"The diagnosis is in {output / FOLDER / 'report.html'}"

@@ -16,7 +16,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
 from flexdyn.records.files import is_recording
 
-NAMES = {"magnify": "--magnify", "command": "--command"}
+OPTION_OF_KEY = {"magnify": "--magnify", "command": "--command"}
 
 
 def play(
@@ -61,7 +61,9 @@ def play(
         raise InputError("a command is for the rigid arm alone", key="--command", remedy="give --rigid too")
     factor = None if magnify is None else decimal("--magnify", magnify)
     arm = None if model is None else find(model).model
-    with naming(NAMES | ({"compare": "--rigid"} if rigid else {}), file=run, files={"compare": other, "pd": command}):
+    with naming(
+        OPTION_OF_KEY | ({"compare": "--rigid"} if rigid else {}), file=run, files={"compare": other, "pd": command}
+    ):
         playback = watch(
             _source(run, map if other is None else None),
             RIGID if rigid else None if other is None else load(other, map=map),

@@ -18,7 +18,7 @@ from flexdyn.plots.picture import FILES
 from flexdyn.records import Recording
 
 MapsOption = Annotated[
-    list[Path] | None, option("MAP", "A channel map (YAML) of the first file; again: of the second; ...", "--map")
+    list[Path] | None, option("MAP", "A channel map (YAML) of the first file; give it again for the second.", "--map")
 ]
 FromOption = Annotated[str | None, option("S", "First time, in s.", "--from")]
 ToOption = Annotated[str | None, option("S", "Last time, in s.", "--to")]

@@ -24,8 +24,10 @@ from flexdyn.simulation.solvers import SOLVERS, Solver, make_solver
 
 STARTS = "0.1,0.2 or elbow=1.57,wrist=0"
 # Arguments of the Python interface -> what the user typed.
-NAMES = {name: f"--{name}" for name in ("duration", "rate", "q0", "v0", "theta0", "omega0")}
-NAMES |= {f"solver.{name}": f"--{name}" for name in ("step", "rtol", "atol", "smoothing")} | {"solver": "--solver"}
+OPTION_OF_SETTING = {name: f"--{name}" for name in ("duration", "rate", "q0", "v0", "theta0", "omega0")}
+OPTION_OF_SETTING |= {f"solver.{name}": f"--{name}" for name in ("step", "rtol", "atol", "smoothing")} | {
+    "solver": "--solver"
+}
 SYMBOLS = {
     "q": "link position",
     "v": "link velocity",
@@ -86,7 +88,7 @@ def simulate(
     hertz = options.decimal("--rate", rate)
     settings = _settings(step=step, rtol=rtol, atol=atol, smoothing=smoothing)
     arm = enforce_limits(model_file(model)) if limits else model_file(model)
-    with options.naming(NAMES, file=model, files={"samples": command, "pd": command, "command": command}):
+    with options.naming(OPTION_OF_SETTING, file=model, files={"samples": command, "pd": command, "command": command}):
         chosen = choose(solver, **settings)
         starts = _starts(arm, q0=q0, v0=v0, theta0=theta0, omega0=omega0)
         drive = _read_command(command, map)

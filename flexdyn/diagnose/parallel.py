@@ -32,12 +32,12 @@ def in_parallel(work: Callable[[Item], Result], items: Iterable[Item]) -> list[R
     tasks = [(copy_context(), item) for item in items]
 
     def do(task: tuple[Context, Item]) -> Result:
-        return task[0].run(_checked, work, task[1])
+        return task[0].run(_unless_stopped, work, task[1])
 
     with ThreadPoolExecutor(max(2, os.cpu_count() or 2), thread_name_prefix="flexdyn-parallel") as pool:
         return list(pool.map(do, tasks) if len(tasks) > 1 else map(do, tasks))
 
 
-def _checked(work: Callable[[Item], Result], item: Item) -> Result:
+def _unless_stopped(work: Callable[[Item], Result], item: Item) -> Result:
     check()
     return work(item)

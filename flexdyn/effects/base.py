@@ -76,7 +76,7 @@ class Effect(Traits):
         of_velocity: friction or damping that the velocity alone decides.
         of_recorded_torque: it bends the torque on its way, so that what it does is a matter of the recorded torque;
             what others do is taken of the torque that the model needs, whose noise is less.
-        periodic: it is periodic over the position, with `harmonic` cycles per turn.
+        cycles: of a law that is periodic over the position, the parameter with its number of cycles in a turn.
         position_error: of an effect on positions, the parameter that is its size [rad or m].
         damps_spring: of a damping across the spring of a joint, the parameter that is its coefficient.
         bends_spring: with it, the transmission is no linear spring.
@@ -116,7 +116,7 @@ class Effect(Traits):
     prevalence: ClassVar[Prevalence] = "seldom"
     of_velocity: ClassVar[bool] = False
     of_recorded_torque: ClassVar[bool] = False
-    periodic: ClassVar[bool] = False
+    cycles: ClassVar[str] = ""
     position_error: ClassVar[str] = ""
     damps_spring: ClassVar[str] = ""
     bends_spring: ClassVar[bool] = False
@@ -153,6 +153,11 @@ class Effect(Traits):
     def parameters(cls) -> tuple[dataclasses.Field[Any], ...]:
         """The parameters of the effect, in the order in which the core takes them."""
         return tuple(f for f in dataclasses.fields(cls) if "unit" in f.metadata)  # type: ignore[arg-type]
+
+    @classmethod
+    def declared(cls, name: str) -> Mapping[str, Any]:
+        """What a parameter declares, see `parameter`."""
+        return next(field.metadata for field in cls.parameters() if field.name == name)
 
     @classmethod
     def summary(cls) -> str:

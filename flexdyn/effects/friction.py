@@ -99,6 +99,7 @@ class StribeckFriction(Friction):
     shown = {"excess": 0.5, "velocity": 0.1}
     linear = ("excess",)
     grids = {"velocity": ("speed", spaced(0.003, 0.4, 9))}
+    steady = True
     prevalence = "often"
 
     excess: float = parameter("N m", lower=0.0)
@@ -147,5 +148,6 @@ class QuadraticDrag(Friction):
     law = "coefficient*u*abs(u)"
     shown = {"coefficient": 0.3}
     linear = ("coefficient",)
+    steady = True
 
     coefficient: float = parameter("N m s^2/rad^2", lower=0.0)

@@ -76,7 +76,7 @@ class PreslidingFriction(MemoryEffect):
 
     level: float = parameter("N m", lower=0.0, by_factor=True)
     stiffness: float = parameter("N m/rad", lower=0.0, strict=True)
-    damping: float = parameter("N m s/rad", lower=0.0, default=0.0)
+    damping: float = parameter("N m s/rad", lower=0.0, step_at_zero=0.001, default=0.0)
 
     @classmethod
     def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:

@@ -82,7 +82,7 @@ class ParallelSpring(LinkEffect):
     axes = ("rest",)
 
     stiffness: float = parameter("N m/rad", lower=0.0, by_factor=True)
-    rest: float = parameter("rad")
+    rest: float = parameter("rad", step=0.001)
 
     @classmethod
     def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:
@@ -142,10 +142,10 @@ class EndStop(LinkEffect):
 
     linear_bounds = (0.0,)
 
-    lower: float = parameter("rad", infinite=True)
-    upper: float = parameter("rad", infinite=True)
+    lower: float = parameter("rad", infinite=True, step=0.001)
+    upper: float = parameter("rad", infinite=True, step=0.001)
     stiffness: float = parameter("N m/rad", lower=0.0, by_factor=True)
-    damping: float = parameter("N m s/rad", lower=0.0)
+    damping: float = parameter("N m s/rad", lower=0.0, step_at_zero=0.001)
 
     def __post_init__(self) -> None:
         """Check the numbers, and that the stops leave room."""

@@ -30,7 +30,7 @@ class ParameterError(Effect):
     law = "true = factor*given"
     neutral = {"factor": 1.0}
     no_torque = "it changes a number of the model: see model.resolved()"
-    shown = {"factor": 1.1}
+    shown = {"factor": 1.3}
 
     of: str = dataclasses.field(kw_only=False)
     parameter: str

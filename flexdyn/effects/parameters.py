@@ -23,6 +23,9 @@ def parameter(
     infinite: bool = False,
     chosen: bool = False,
     by_factor: bool = False,
+    around: bool = False,
+    step: float | None = None,
+    step_at_zero: float = 1e-4,
     default: Any = dataclasses.MISSING,
 ) -> Any:
     """A parameter of an effect.
@@ -35,6 +38,9 @@ def parameter(
         chosen: whether a diagnosis chooses it from a few values and does not estimate it.
         by_factor: whether a fit changes it by a limited factor in each step, because the law is another one at 0; of a
             `strict` parameter it always does.
+        around: whether it is an angle in a cycle, so that a diagnosis tries values all around.
+        step: change at which a diagnosis computes its slope, in `unit`; None: a hundredth of its value.
+        step_at_zero: likewise where its value is 0, unless `step` is given.
         default: value if none is given; without a default a value is required.
 
     Example:
@@ -47,7 +53,8 @@ def parameter(
         np.float64(-2.0)
     """
     metadata = {"unit": unit, "lower": lower, "strict": strict, "infinite": infinite}
-    metadata |= {"chosen": chosen, "by_factor": by_factor or strict}
+    metadata |= {"chosen": chosen, "by_factor": by_factor or strict, "around": around}
+    metadata |= {"step": step, "step_at_zero": step_at_zero}
     return dataclasses.field(default=default, metadata=metadata)
 
 

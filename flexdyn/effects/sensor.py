@@ -15,10 +15,10 @@ from flexdyn.effects.extent import DELAYS, MotionExtent
 from flexdyn.effects.parameters import parameter
 from flexdyn.effects.waves import WaveEffect
 from flexdyn.errors import InputError
+from flexdyn.records.units import HELD
 
 POSITIONS = ("q", "theta")
-HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
-"""Signals that keep their value from one sample to the next."""
+"""Signals of the encoders."""
 SAME_INSTANT = 1e-10
 """Times closer than this are one [s]."""
 

@@ -26,6 +26,8 @@ class Traits:
         exact: parameters that are exact where a model file has the effect, as the ratio of teeth is.
         regressed: the number of a joint in a linear regressor that its first linear parameter adds to: ``viscous``,
             ``coulomb`` or ``offset``.
+        steady: `flexdyn.steady_friction` tries it in addition to Coulomb and viscous friction: a law of the speed alone
+            that opposes the motion, and whose `axes` are speeds.
     """
 
     words: ClassVar[str] = ""
@@ -36,6 +38,7 @@ class Traits:
     scales_torque: ClassVar[str] = ""
     exact: ClassVar[tuple[str, ...]] = ()
     regressed: ClassVar[str] = ""
+    steady: ClassVar[bool] = False
 
     @classmethod
     def uncertain(cls) -> tuple[str, ...]:

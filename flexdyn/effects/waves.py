@@ -19,14 +19,14 @@ class WaveEffect(Effect, abstract=True):
     """``amplitude sin(harmonic position + phase)``, linear in its sine and cosine parts where the harmonic is given."""
 
     neutral = {"amplitude": 0.0}
-    periodic = True
+    cycles = "harmonic"
     linear_bounds: ClassVar[tuple[float, ...]] = (-math.inf, -math.inf)
     axes = ("harmonic",)
     small_size: ClassVar[float] = POSITION_STEP
 
     amplitude: float = parameter("rad")
     harmonic: float = parameter("1", chosen=True)
-    phase: float = parameter("rad")
+    phase: float = parameter("rad", around=True, step=0.01)
 
     def in_usual_range(self) -> Self:
         """The amplitude is positive, and the phase between -pi and pi."""

@@ -16,7 +16,7 @@ from flexdyn.robot import Robot
 
 UNKNOWN = "unknown"
 """The word of a model file for an unknown number."""
-KEYS = ("value", "tolerance")
+GIVEN_KEYS = ("value", "tolerance")
 WRITE_UNKNOWN = "write unknown for a number that nobody knows"
 
 
@@ -62,8 +62,8 @@ def given_number(entry: Any, key: str) -> GivenNumber:
         if math.isnan(found):
             raise InputError("a number is needed", key=key, value=entry, remedy=WRITE_UNKNOWN if entry is None else "")
         return GivenNumber(found)
-    check_keys(entry, KEYS, key=key)
-    for name in KEYS:
+    check_keys(entry, GIVEN_KEYS, key=key)
+    for name in GIVEN_KEYS:
         if name not in entry:
             raise InputError("it is missing", key=f"{key}.{name}", remedy="write {value: 0.0, tolerance: 0.02}")
     value = number(f"{key}.value", entry["value"], remedy=f"{WRITE_UNKNOWN}, in place of the mapping")

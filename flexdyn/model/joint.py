@@ -101,7 +101,7 @@ class Joint:
             remedy = "write {stiffness: 4000.0, ...}"
             raise InputError("a joint is a mapping of its numbers", value=entry, remedy=remedy)
         for key in entry:
-            check_known(key, KEYS, "a joint has no such key", key=str(key))
+            check_known(key, JOINT_KEYS, "a joint has no such key", key=str(key))
         return {str(key): value for key, value in entry.items()}
 
     def _read(self) -> None:
@@ -119,9 +119,9 @@ class Joint:
         object.__setattr__(self, "tolerances", tuple(sorted(tolerances.items())))
 
 
-KEYS = tuple(field.name for field in fields(Joint) if field.name != "tolerances")
+JOINT_KEYS = tuple(field.name for field in fields(Joint) if field.name != "tolerances")
 """Keys of a joint in a model file."""
-NUMBERS = tuple(name for name in KEYS if name != "actuator")
+NUMBERS = tuple(name for name in JOINT_KEYS if name != "actuator")
 """Names of a joint's numbers."""
 ALWAYS_KNOWN = {
     "gear_ratio": "all signals are reflected, so a wrong one shows in the rotor's inertia: make rotor_inertia unknown",

@@ -71,7 +71,7 @@ def _joint(joints: Any, name: str, entry: Mapping[str, Any], stated: Paths, name
             found[key] = number.value
             bare = [each for each in names if each not in joints or "actuator" not in _keys(joints[each])]
             for each in bare if name == "*" else [name]:
-                stated[f"joints.{each}.{place}.{key}"] = _relative(number, path)
+                stated[f"joints.{each}.{place}.{key}"] = _checked_share(number, path)
     return {**entry, "actuator": {**actuator, "dc_motor": found}}
 
 
@@ -91,7 +91,7 @@ def _link(link: str, entry: Mapping[str, Any], stated: Paths, robot: Robot) -> A
     number = _number({"value": mass, **given} if isinstance(given, Mapping) else given, key, remedy)
     if number is None or abs(number.value - mass) > SAME_MASS * mass:
         raise InputError(f"the URDF gives it as {mass:g} kg", key=key, value=given, remedy=remedy)
-    stated[key] = _relative(number, key)
+    stated[key] = _checked_share(number, key)
     return {name: value for name, value in entry.items() if name != "mass"} or None
 
 
@@ -105,7 +105,7 @@ def _effect(i: int, entry: Any, stated: Paths) -> Any:
         key = f"effects[{i}].{name}"
         if number := _number(entry[name], key, "leave the effect out: a diagnosis finds it, with its numbers"):
             _check_estimated(kind, name, key)
-            found[name], stated[key] = number.value, _relative(number, key)
+            found[name], stated[key] = number.value, _checked_share(number, key)
     return found
 
 
@@ -124,7 +124,7 @@ def _number(entry: Any, key: str, remedy: str) -> GivenNumber | None:
     return number
 
 
-def _relative(number: GivenNumber, key: str) -> float:
+def _checked_share(number: GivenNumber, key: str) -> float:
     """Tolerance as a share of the value."""
     if number.tolerance is None or number.value == 0.0 or math.isinf(number.value):
         remedy = "give a value other than 0, or leave the effect out"

@@ -14,7 +14,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.given_number import GivenNumber, robot_with_links
 from flexdyn.model.resolved_parameters import OF_LINK, OF_MOTOR
 
-OF_JOINT = ("rotor_inertia", "stiffness", "damping")
+UNCERTAIN_OF_JOINT = ("rotor_inertia", "stiffness", "damping")
 DEFAULT_TOLERANCE = 0.05
 UNKNOWN_TOLERANCE = 10.0
 """From this relative tolerance on a number counts as unknown [1]."""
@@ -70,11 +70,11 @@ def with_factors(
 def _of_joints(model: FlexibleJointModel) -> Iterable[FileNumber]:
     """Numbers of drives and their motors."""
     for name, joint in model.joints.items():
-        for parameter in OF_JOINT:
+        for parameter in UNCERTAIN_OF_JOINT:
             path = f"joints.{name}.{parameter}"
             tolerance = _tolerance(model, path, f"joints.*.{parameter}")
             given = joint.given(parameter)
-            yield FileNumber(name, parameter, given.value, _relative(given, tolerance), name)
+            yield FileNumber(name, parameter, given.value, _share_or(given, tolerance), name)
         motor = None if joint.actuator is None else joint.actuator.dc_motor
         for parameter in () if motor is None else OF_MOTOR:
             tolerance = _tolerance(model, *(f"joints.{each}.actuator.dc_motor.{parameter}" for each in (name, "*")))
@@ -94,7 +94,7 @@ def _of_links(model: FlexibleJointModel) -> Iterable[FileNumber]:
             if np.abs(other.tree.inertial_parameters - own).max() > INERTIA_ROUNDING * np.abs(own).max():
                 tolerance = _tolerance(model, f"links.{frame}.{word}")
                 if parameter == "link_inertia" and frame in model.links:
-                    tolerance = _relative(model.links[frame], tolerance)
+                    tolerance = _share_or(model.links[frame], tolerance)
                 yield FileNumber(frame, parameter, 1.0, tolerance, None)
 
 
@@ -107,7 +107,7 @@ def _of_effects(model: FlexibleJointModel) -> Iterable[FileNumber]:
             yield FileNumber(place, name, getattr(effect, name), tolerance, getattr(effect, "joint", None))
 
 
-def _relative(given: GivenNumber, otherwise: float) -> float:
+def _share_or(given: GivenNumber, otherwise: float) -> float:
     """Tolerance of a number relative to its value."""
     return otherwise if given.tolerance is None or given.value == 0.0 else given.tolerance / abs(given.value)
 

@@ -17,7 +17,7 @@ from flexdyn.simulation.run import Run
 ELBOW = np.pi / 2  # rad: the pose of Table I, at which modes are computed
 SWEEP = np.logspace(-2, 2, 161)  # N m s/rad
 SHOWN_DAMPINGS = (0.01, 0.5, 2.0)  # N m s/rad
-LOOKS: dict[float, dict[str, Any]] = {
+DAMPING_LOOKS: dict[float, dict[str, Any]] = {
     v: {"color": colour, "linestyle": "-" if dash is None else (0, dash)}
     for v, colour, dash in zip(
         DAMPINGS,
@@ -56,7 +56,7 @@ def damping(cases: PaperCases) -> Chapter:
         figure("fig5_decay_rates", lambda canvas: _draw_rates(canvas, cases, plucked, best)),
     )
     kept = {f"damping_v_{v:g}": runs[v] for v in SHOWN_DAMPINGS}
-    text = _text(cases, found, best, float(rates.max()))
+    text = _damping_text(cases, found, best, float(rates.max()))
     numbers_all = {"by_v": numbers, "best_v": best, "best_rate": float(rates.max())}
     return Chapter("Growing damping", text, checks, numbers_all, figures, kept)
 
@@ -67,7 +67,7 @@ def _plucked(cases: PaperCases, v: float) -> list[tuple[float, float]]:
     return [(pluck_rate(arm, model, mode, ELBOW), mode.rate) for mode in modes(arm, ELBOW)]
 
 
-def _text(cases: PaperCases, found: Mapping[float, Residual], best: float, best_rate: float) -> str:
+def _damping_text(cases: PaperCases, found: Mapping[float, Residual], best: float, best_rate: float) -> str:
     """The prose of the chapter."""
 
     def both(v: float) -> dict[str, Mode]:
@@ -91,8 +91,8 @@ def _draw_growing(canvas: Any, cases: PaperCases, runs: Mapping[float, Run]) -> 
     left, right = canvas.subplots(1, 2)
     for v, run in runs.items():
         if v in SHOWN_DAMPINGS:
-            left.plot(run.t, np.degrees(run.deflection[:, 1]), **LOOKS[v], label=f"$v = {v:g}$")
-        right.semilogy(run.t, np.degrees(amplitude(cases.arm(v=v), run)), **LOOKS[v], label=f"{v:g}")
+            left.plot(run.t, np.degrees(run.deflection[:, 1]), **DAMPING_LOOKS[v], label=f"$v = {v:g}$")
+        right.semilogy(run.t, np.degrees(amplitude(cases.arm(v=v), run)), **DAMPING_LOOKS[v], label=f"{v:g}")
     style.titled(left, "a", "elbow")
     style.titled(right, "b", "amplitude of the vibration")
     left.set_ylabel(r"deflection $\theta_2 - q_2$ (deg)")

@@ -23,7 +23,7 @@ from flexdyn.paper.chapter import Chapter, Check, figure, prose, stated
 from flexdyn.paper.hidden_friction_figure import Step, draw
 from flexdyn.records import Recording
 
-TITLE = "Friction hidden, and found"
+CHAPTER_TITLE = "Friction hidden, and found"
 FOLDER = "diagnosis"
 HIDDEN = ("coulomb_friction", "stribeck_friction")
 """The dry part of eq. 1, at both joints: the paper gives v = 0.01 and no levels."""
@@ -53,8 +53,8 @@ def hidden_friction(cases: PaperCases, folder: Path, progress: Progress | None =
     truth = hidden(cases.model)
     picture = figure("hidden_friction", lambda canvas: draw(canvas, data["check_fig4"], given, answer.model, steps))
     return Chapter(
-        TITLE,
-        _text(truth, answer, steps),
+        CHAPTER_TITLE,
+        _hidden_friction_text(truth, answer, steps),
         checks(truth, answer),
         _numbers(truth, answer, steps),
         (picture,),
@@ -161,7 +161,7 @@ def _numbers(truth: Sequence[Effect], answer: Diagnosis, steps: Sequence[Step]) 
     }
 
 
-def _text(truth: Sequence[Effect], answer: Diagnosis, steps: Sequence[Step]) -> str:
+def _hidden_friction_text(truth: Sequence[Effect], answer: Diagnosis, steps: Sequence[Step]) -> str:
     """The prose of the chapter."""
     return prose(
         "hidden_friction.md",

@@ -42,12 +42,12 @@ def rigid_limit(cases: PaperCases) -> Chapter:
         distance=np.degrees(rms[0]),
     )
     numbers = {"K": K.tolist(), "rms_distance_rad": rms, "largest_distance_rad": most, "slope": float(slope)}
-    picture = figure("fig3_rigid_limit", lambda canvas: _draw(canvas, K, rms, most, (slope, offset)))
+    picture = figure("fig3_rigid_limit", lambda canvas: _draw_distance(canvas, K, rms, most, (slope, offset)))
     checks = (stated("rigid_limit", abs(slope + 1), slope=slope, values=int(stiff.sum())),)
     return Chapter("The rigid arm as the limit of stiff joints", text, checks, numbers, (picture,))
 
 
-def _draw(canvas: Any, K: Array, rms: list[float], most: list[float], line: tuple[float, float]) -> None:
+def _draw_distance(canvas: Any, K: Array, rms: list[float], most: list[float], line: tuple[float, float]) -> None:
     """The distance from the rigid arm over the stiffness, with the fitted law."""
     panel = canvas.subplots()
     start = K[FACTORS >= FITTED_FACTOR][0]

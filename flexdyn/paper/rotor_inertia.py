@@ -15,7 +15,7 @@ from flexdyn.paper.vibration import Residual, modes, residual, ringing_after, sl
 
 INERTIAS = (0.01, 0.1, 1.0)  # kg m^2, reflected
 COMPARED_DAMPINGS = (0.01, 0.1, 0.5)  # N m s/rad
-LOOKS: tuple[Any, ...] = ((style.VERMILION, style.DASHED), (style.BLUE, "-"), (style.GREEN, style.DOTTED))
+INERTIA_LOOKS: tuple[Any, ...] = ((style.VERMILION, style.DASHED), (style.BLUE, "-"), (style.GREEN, style.DOTTED))
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def rotor_inertia(cases: PaperCases) -> Chapter:
         for row in rows
     }
     text = prose("rotor_inertia.md", rows=rows, compared=COMPARED_DAMPINGS, J=cases.arm().J)
-    picture = figure("rotor_inertia", lambda canvas: _draw(canvas, cases, rows))
+    picture = figure("rotor_inertia", lambda canvas: _draw_slowest_rates(canvas, cases, rows))
     return Chapter("The rotor inertia, which the paper leaves out", text, checks, numbers, (picture,))
 
 
@@ -65,9 +65,9 @@ def _row(cases: PaperCases, J: float) -> Row:
     return Row(J, frequencies, ratio, found, float(SWEEP[int(np.argmax(rates))]))
 
 
-def _draw(canvas: Any, cases: PaperCases, rows: list[Row]) -> None:
+def _draw_slowest_rates(canvas: Any, cases: PaperCases, rows: list[Row]) -> None:
     panel = canvas.subplots()
-    for row, (colour, dash) in zip(rows, LOOKS, strict=True):
+    for row, (colour, dash) in zip(rows, INERTIA_LOOKS, strict=True):
         rates = slowest_rates(cases.arm(J=row.J), SWEEP, ELBOW)
         panel.loglog(SWEEP, rates, color=colour, linestyle=dash, label=f"$J = {row.J:g}$ kg m$^2$")
         panel.loglog(row.best_v, rates.max(), "o", color=colour, markersize=4)

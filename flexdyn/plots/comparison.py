@@ -42,7 +42,7 @@ def draw_comparison(found: Comparison) -> Picture:
     blocks = []
     for first in range(0, len(units), SIDE_BY_SIDE):
         chosen = units[first : first + SIDE_BY_SIDE]
-        blocks.append(_bars(found, {unit: groups[unit] for unit in chosen}))
+        blocks.append(_bars_by_unit(found, {unit: groups[unit] for unit in chosen}))
     worst = [max(rows, key=lambda row: row.rms) for rows in groups.values()]
     apart = [row for row in worst if row.rms > 0]
     for first in range(0, len(apart), SIDE_BY_SIDE):
@@ -53,7 +53,7 @@ def draw_comparison(found: Comparison) -> Picture:
     return arrange(f"{short(found.second)} against {short(found.first)}", notes, keys, blocks)
 
 
-def _bars(found: Comparison, groups: dict[str, list[ChannelError]]) -> Block:
+def _bars_by_unit(found: Comparison, groups: dict[str, list[ChannelError]]) -> Block:
     """A panel of bars for each unit: RMS and largest error of every channel."""
     panels = []
     for unit, rows in groups.items():

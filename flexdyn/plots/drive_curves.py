@@ -49,7 +49,8 @@ def deflection(axes: Any, effect: DeflectionEffect) -> tuple[str, str]:
 
 def link(axes: Any, effect: JointEffect) -> tuple[str, str]:
     """Torque on the link over its position, at several speeds where it depends on speed."""
-    stops = [abs(end) for end in (getattr(effect, key, math.inf) for key in ("lower", "upper")) if math.isfinite(end)]
+    limits = [getattr(effect, field.name) for field in effect.parameters() if field.metadata["infinite"]]
+    stops = [abs(end) for end in limits if math.isfinite(end)]
     reach = 1.3 * max(stops) if stops else math.pi
     q = np.linspace(-reach, reach, 1201)
     page.cross(axes)
@@ -107,7 +108,7 @@ def measured(axes: Any, effect: SensorEffect) -> tuple[str, str]:
     if effect.late_by:
         return _late(axes, effect)
     lengths = [abs(getattr(effect, field.name)) for field in effect.parameters() if field.metadata["unit"] != "1"]
-    reach = 0.5 * turn(effect) if effect.periodic or not any(lengths) else 5.0 * max(lengths)
+    reach = 0.5 * turn(effect) if effect.cycles or not any(lengths) else 5.0 * max(lengths)
     true = np.linspace(-reach, reach, 801)
     reported = effect.measured(true, np.arange(801.0))
     page.cross(axes)

@@ -81,16 +81,18 @@ def energy_panels(scene: PlotScene, place: int, model: FlexibleJointModel | None
         flows = {"supplied by the motors": (supplied, PARTS["supplied"])}
         flows["lost to friction, wrenches, sampling"] = (rest, LOSSES[0])
         return (
-            _panel(f"Energy{name}: where it is", scene, place, _stored(found)),
-            _panel(f"Energy{name}: supplied and lost since the first sample", scene, place, flows),
+            _energy_panel(f"Energy{name}: where it is", scene, place, _stored(found)),
+            _energy_panel(f"Energy{name}: supplied and lost since the first sample", scene, place, flows),
         )
     energy = source.run.energy
     within = "closes" if energy.closes else "does NOT close"
     left = {"left over": (energy.residual, PARTS["residual"])}
     return (
-        _panel(f"Energy{name}: where it is", scene, place, _stored(energy)),
-        _panel(f"Energy{name}: supplied and dissipated since the start", scene, place, _flows(energy)),
-        _panel(f"Energy{name}: error of the ledger, which {within} to {energy.tolerance:.2g} J", scene, place, left),
+        _energy_panel(f"Energy{name}: where it is", scene, place, _stored(energy)),
+        _energy_panel(f"Energy{name}: supplied and dissipated since the start", scene, place, _flows(energy)),
+        _energy_panel(
+            f"Energy{name}: error of the ledger, which {within} to {energy.tolerance:.2g} J", scene, place, left
+        ),
     )
 
 
@@ -121,7 +123,7 @@ def _losses(energy: Energy) -> dict[str, Array]:
     return found
 
 
-def _panel(title: str, scene: PlotScene, place: int, entries: Entries) -> Panel:
+def _energy_panel(title: str, scene: PlotScene, place: int, entries: Entries) -> Panel:
     """Energies of one motion over time."""
     rows = scene.rows[place]
     t = scene.sources[place].recording.t[rows]

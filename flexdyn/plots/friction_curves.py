@@ -15,7 +15,7 @@ from flexdyn.plots.page import BLUE, GREY, PALE, RED, SHADES, cross, legend, leg
 VELOCITY = "velocity $u$ of the link or rotor [rad/s]"
 FRICTION = "friction torque [N m]"
 WAVES = 8.0
-"""Largest number of waves of a harmonic that are drawn: more of them could not be distinguished."""
+"""Largest number of cycles of a periodic law that are drawn: more of them could not be distinguished."""
 
 
 def span(effect: Effect, factor: float) -> float:
@@ -25,9 +25,9 @@ def span(effect: Effect, factor: float) -> float:
 
 
 def turn(effect: Effect) -> float:
-    """End of an angle axis: one turn, or as many waves of the law's harmonic as can be distinguished [rad]."""
-    harmonic = float(getattr(effect, "harmonic", 1.0))
-    return 2.0 * math.pi * min(1.0, WAVES / max(abs(harmonic), 1e-9))
+    """End of an angle axis: one turn, or as many cycles of the law as can be distinguished [rad]."""
+    cycles = float(getattr(effect, effect.cycles)) if effect.cycles else 1.0
+    return 2.0 * math.pi * min(1.0, WAVES / max(abs(cycles), 1e-9))
 
 
 def varies(law: Callable[[Array], Any], reach: float) -> bool:

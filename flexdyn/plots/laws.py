@@ -9,7 +9,7 @@ from typing import Any
 
 from flexdyn.effects import DeflectionEffect, Effect, JointEffect, MemoryEffect, SensorEffect
 from flexdyn.errors import InputError
-from flexdyn.plots import drive_curves, friction_curves
+from flexdyn.plots import arm_curves, drive_curves, friction_curves
 from flexdyn.plots.page import GREY, checked_path, dress, new_figure, save
 
 Labels = tuple[str, str]
@@ -27,13 +27,16 @@ _BY_STAGE: dict[str, Drawing] = {
     "link": drive_curves.link,
     "actuator": drive_curves.actuator,
 }
+_OF_THE_ARM: dict[str, Drawing] = {"inertia": arm_curves.needed_torque, "model": arm_curves.needed_torque}
+"""Stages that change the arm itself: the drawing shows the torque that a joint needs."""
 
 
 def draw_law(kind: type[Effect], path: str | Path) -> None:
     """Draw the law of an effect, with the parameters of its example.
 
     Dry laws are drawn set-valued, laws with memory as loops, laws of the motor over the commanded torque, its speed or
-    angle, laws of sensors as the measured over the true value.
+    angle, laws of sensors as the measured over the true value. Of what changes masses or other numbers of the arm, the
+    torque is drawn that a joint needs.
 
     Args:
         kind: the effect's class, flexdyn's own or a user's.
@@ -46,7 +49,7 @@ def draw_law(kind: type[Effect], path: str | Path) -> None:
     file = checked_path(path)
     effect = kind.example()
     figure = law_figure(effect)
-    _head(figure, effect)
+    _write_head(figure, effect)
     save(figure, file)
 
 
@@ -71,6 +74,8 @@ def law_figure(effect: Effect) -> Any:
 def _drawing(kind: type[Effect]) -> Drawing:
     if kind.stage == "actuator" and kind.late_by:
         return drive_curves.delayed_command
+    if kind.stage in _OF_THE_ARM:
+        return _OF_THE_ARM[kind.stage]
     for base, drawing in _BY_KIND:
         if issubclass(kind, base):
             return drawing
@@ -80,7 +85,7 @@ def _drawing(kind: type[Effect]) -> Drawing:
     return _BY_STAGE[kind.stage]
 
 
-def _head(figure: Any, effect: Effect) -> None:
+def _write_head(figure: Any, effect: Effect) -> None:
     """Name, law and parameters."""
     values = ", ".join(f"{f.name} {getattr(effect, f.name):g} {_shown_unit(f)}".strip() for f in effect.parameters())
     figure.text(0.13, 0.93, effect.name.replace("_", " ").capitalize(), fontsize=14, fontweight="bold")

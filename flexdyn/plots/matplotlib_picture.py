@@ -31,7 +31,7 @@ SETTINGS = {
     "pdf.fonttype": 42,
 }
 
-LEGEND = {"frameon": False, "borderpad": 0.0, "borderaxespad": 0.0, "handlelength": 2.6, "labelcolor": INK}
+LEGEND_LOOK = {"frameon": False, "borderpad": 0.0, "borderaxespad": 0.0, "handlelength": 2.6, "labelcolor": INK}
 
 
 def write_picture(picture: Picture, file: Path) -> None:
@@ -62,15 +62,15 @@ def draw(picture: Picture) -> Any:
         from matplotlib.text import Text
     with matplotlib.rc_context({**matplotlib.rcParamsDefault, **SETTINGS}):
         figure = Figure(figsize=(picture.width, picture.height), facecolor="white")
-        _head(figure, picture)
+        _draw_head(figure, picture)
         for panel in picture.panels:
-            _panel(figure, picture, panel)
+            _draw_panel(figure, picture, panel)
     for text in figure.findobj(Text):
         text.set_parse_math(False)  # names of joints may contain dollar signs
     return figure
 
 
-def _head(figure: Any, picture: Picture) -> None:
+def _draw_head(figure: Any, picture: Picture) -> None:
     """Title, notes and the shared legend."""
 
     def across(inch: float) -> float:
@@ -86,10 +86,10 @@ def _head(figure: Any, picture: Picture) -> None:
     for i, key in enumerate(picture.keys):
         row, column = divmod(i, picture.legend_columns)
         place = (across(LEFT + column * picture.key_width), up(picture.legend_at + row * KEY))
-        figure.legend(handles=[_handle(key)], loc="upper left", bbox_to_anchor=place, **LEGEND)
+        figure.legend(handles=[_handle(key)], loc="upper left", bbox_to_anchor=place, **LEGEND_LOOK)
 
 
-def _panel(figure: Any, picture: Picture, panel: Panel) -> None:
+def _draw_panel(figure: Any, picture: Picture, panel: Panel) -> None:
     """Axes with curves or bars, at their place on the page."""
     box = panel.box
     width, height = picture.width, picture.height
@@ -100,7 +100,7 @@ def _panel(figure: Any, picture: Picture, panel: Panel) -> None:
     for curve in panel.curves:
         _curve(axes, curve)
     if panel.bars:
-        _bars(axes, panel)
+        _draw_bars(axes, panel)
     else:
         axes.set_ylim(panel.y_range)
         axes.yaxis.set_major_locator(_locator(max(3, min(6, int(box.height / 0.3)))))
@@ -131,7 +131,7 @@ def _curve(axes: Any, curve: Curve) -> None:
     axes.plot(curve.x, curve.y, color=curve.colour, gid=curve.name, solid_joinstyle="round", **settings)
 
 
-def _bars(axes: Any, panel: Panel) -> None:
+def _draw_bars(axes: Any, panel: Panel) -> None:
     places = np.arange(len(panel.bars))[::-1]
     colours = [bar.colour for bar in panel.bars]
     axes.barh(places, [bar.length for bar in panel.bars], height=0.62, color=colours)

@@ -31,7 +31,7 @@ CONFIG = {
     "plotlyServerURL": "",
 }
 """Of every page and notebook; Plotly's own default has a button that uploads the data."""
-LEGEND = {"xanchor": "left", "yanchor": "top", "bgcolor": "rgba(0,0,0,0)", "borderwidth": 0, "tracegroupgap": 0}
+LEGEND_LAYOUT = {"xanchor": "left", "yanchor": "top", "bgcolor": "rgba(0,0,0,0)", "borderwidth": 0, "tracegroupgap": 0}
 _escaped = partial(escape, quote=False)
 """A text as plotly takes it, which knows no &quot;."""
 
@@ -68,7 +68,7 @@ def draw(picture: Picture) -> Any:
         "font": {"family": FONT, "size": 8.5 * POINT, "color": INK},
         "hovermode": "closest",
         "dragmode": "zoom",
-        "annotations": _head(picture),
+        "annotations": _head_layout(picture),
         "shapes": [],
         **_legends(picture),
     }
@@ -88,7 +88,7 @@ def _legends(picture: Picture) -> dict[str, Any]:
     for i in range(len(picture.keys)):
         row, column = divmod(i, picture.legend_columns)
         left, down = LEFT + column * picture.key_width, picture.legend_at + row * KEY - 0.06
-        found[_legend_name(i)] = {"x": left / picture.width, "y": 1.0 - down / picture.height, **LEGEND}
+        found[_legend_name(i)] = {"x": left / picture.width, "y": 1.0 - down / picture.height, **LEGEND_LAYOUT}
     return found
 
 
@@ -96,7 +96,7 @@ def _legend_name(number: int) -> str:
     return "legend" if number == 0 else f"legend{number + 1}"
 
 
-def _head(picture: Picture) -> list[dict[str, Any]]:
+def _head_layout(picture: Picture) -> list[dict[str, Any]]:
     texts = [_text(picture, LEFT, 0.16, f"<b>{_escaped(picture.headline)}</b>", 13.0 * POINT, INK)]
     for line, note in enumerate(picture.lines):
         texts.append(_text(picture, LEFT, picture.note_at(line) - 0.13, _escaped(note), 8.5 * POINT, SOFT))
@@ -153,14 +153,14 @@ def _beside(picture: Picture, panel: Panel) -> dict[str, Any]:
     """The place of a panel's own legend: on its right."""
     box = panel.box
     left, up = box.left + box.width + 0.06, box.bottom + box.height + 0.1
-    return {"x": left / picture.width, "y": up / picture.height, **LEGEND}
+    return {"x": left / picture.width, "y": up / picture.height, **LEGEND_LAYOUT}
 
 
 def _content(panel: Panel, number: int, legends: Mapping[str, str], own: str) -> list[dict[str, Any]]:
     """Traces of a panel; they belong to its own legend or to lines of the shared one."""
     place = {"xaxis": f"x{number}", "yaxis": f"y{number}"}
     if panel.bars:
-        return _bars(panel, place)
+        return _bar_traces(panel, place)
     traces = []
     for curve in panel.curves:
         trace = _trace(curve) | place
@@ -183,7 +183,7 @@ def _trace(curve: Curve) -> dict[str, Any]:
     return trace | {"mode": "lines", "line": line}
 
 
-def _bars(panel: Panel, place: dict[str, str]) -> list[dict[str, Any]]:
+def _bar_traces(panel: Panel, place: dict[str, str]) -> list[dict[str, Any]]:
     """Traces of a panel of bars: the bars, and a mark on each for the largest error."""
     up = np.arange(len(panel.bars))[::-1]
     colours = [bar.colour for bar in panel.bars]

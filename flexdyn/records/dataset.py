@@ -86,9 +86,9 @@ def table_of(dataset: Any) -> Table:
         remedy = "give a coordinate t in seconds, such as ds.rename(time='t')"
         raise InputError("the dataset has no coordinate t", remedy=remedy, channel="t")
     table = Table(meta=from_json(str(dataset.attrs["meta"])) if "meta" in dataset.attrs else {})
-    table.add("t", _numbers(dataset.coords["t"].values, "t"))
+    table.add("t", _variable_numbers(dataset.coords["t"].values, "t"))
     table.units["t"] = str(dataset.coords["t"].attrs.get("units", ""))
-    for name, values, unit in _channels(dataset):
+    for name, values, unit in _dataset_channels(dataset):
         table.add(name, values)
         table.units[name] = unit
     ordered = dict.fromkeys(("t", *filter(table.columns.__contains__, _order(dataset)), *table.columns))
@@ -119,13 +119,13 @@ def _attributes(unit: str, signal: str) -> dict[str, str]:
     return long_name | ({"units": unit} if unit else {})
 
 
-def _channels(dataset: Any) -> Iterator[tuple[str, Array, str]]:
+def _dataset_channels(dataset: Any) -> Iterator[tuple[str, Array, str]]:
     """Name, samples and unit of every channel."""
     sliding = _sliding(dataset)
     for variable, array in dataset.data_vars.items():
         unit = str(array.attrs.get("units", ""))
         if array.dims == ("t",):
-            yield str(variable), _numbers(array.values, str(variable)), unit
+            yield str(variable), _variable_numbers(array.values, str(variable)), unit
             continue
         labelled = [dimension for dimension in array.dims if dimension != "t" and dimension in dataset.coords]
         if len(array.dims) != 2 or "t" not in array.dims or len(labelled) != 1:
@@ -136,7 +136,7 @@ def _channels(dataset: Any) -> Iterator[tuple[str, Array, str]]:
             name = f"{variable}.{label}"
             mixed = variable in SIGNALS and " or " in unit
             known = signal_unit(str(variable), prismatic=str(label) in sliding) if mixed else unit
-            yield name, _numbers(values[:, column], name), known
+            yield name, _variable_numbers(values[:, column], name), known
 
 
 def _sliding(dataset: Any) -> set[str]:
@@ -147,7 +147,7 @@ def _sliding(dataset: Any) -> set[str]:
     return {str(joint) for joint, kind in pairs if str(kind) == "prismatic"}
 
 
-def _numbers(values: Any, name: str) -> Array:
+def _variable_numbers(values: Any, name: str) -> Array:
     """A column of its own."""
     if np.asarray(values).dtype.kind in "mM":
         remedy = "give seconds as doubles: (time - time[0]) / np.timedelta64(1, 's')"

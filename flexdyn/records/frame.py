@@ -44,11 +44,11 @@ def table_of_frame(frame: Any) -> tuple[Table, str]:
     columns = {_name(label): frame.iloc[:, place] for place, label in enumerate(frame.columns)}
     if len(columns) != frame.shape[1]:
         raise InputError("several columns have one name", key="frame", remedy="rename or remove one")
-    if not any(_channel(name)[0] == "t" for name in columns):
-        table.add("t", _times(frame.index, table))
+    if not any(_label_channel(name)[0] == "t" for name in columns):
+        table.add("t", _index_times(frame.index, table))
     for name, column in columns.items():
-        key, unit = _channel(name)
-        table.add(key, _times(column, table) if key == "t" else _numbers(column, name))
+        key, unit = _label_channel(name)
+        table.add(key, _index_times(column, table) if key == "t" else _column_numbers(column, name))
         if unit:
             table.units[key] = unit
     return table, str(kept.get("name", ""))
@@ -59,13 +59,13 @@ def _name(label: Any) -> str:
     return ".".join(map(str, label)) if isinstance(label, tuple) else str(label)
 
 
-def _channel(name: str) -> tuple[str, str]:
+def _label_channel(name: str) -> tuple[str, str]:
     """Channel and unit that a column's name states."""
     bare, unit = split_unit(name)
     return (bare, unit) if unit and (bare == "t" or split_name(bare)) else (name, "")
 
 
-def _times(values: Any, table: Table) -> npt.NDArray[Any]:
+def _index_times(values: Any, table: Table) -> npt.NDArray[Any]:
     """Times in seconds; dates are counted from the first, which meta keeps as ``start_ns``."""
     kind = getattr(values.dtype, "kind", "O")
     if kind == "M":
@@ -75,10 +75,10 @@ def _times(values: Any, table: Table) -> npt.NDArray[Any]:
         return np.asarray((stamps - stamps[:1]) / 1e9)
     if kind == "m":
         return np.asarray(values.to_numpy(dtype="timedelta64[ns]").astype(np.int64) / 1e9)
-    return _numbers(values, "t")
+    return _column_numbers(values, "t")
 
 
-def _numbers(values: Any, name: str) -> npt.NDArray[Any]:
+def _column_numbers(values: Any, name: str) -> npt.NDArray[Any]:
     """A column as doubles, NaN where pandas has no value."""
     try:
         return np.array(values.to_numpy(dtype=np.float64, na_value=np.nan))

@@ -35,10 +35,10 @@ def as_recordings(given: Any, key: str = "recordings") -> tuple[Recording, ...]:
     Raises:
         InputError: likewise.
     """
-    if isinstance(given, Recording | str | os.PathLike) or _library(given) or hasattr(given, "to_recording"):
+    if isinstance(given, Recording | str | os.PathLike) or _table_library(given) or hasattr(given, "to_recording"):
         return (as_recording(given, key, signals=True),)
     if not isinstance(given, Iterable) or isinstance(given, Mapping):
-        raise _refused(given, key)
+        raise _no_recording(given, key)
     return tuple(as_recording(each, f"{key}[{i}]", signals=True) for i, each in enumerate(given))
 
 
@@ -46,18 +46,18 @@ def _made(given: Any, key: str | None) -> Recording:
     """A recording from a path, a table of pandas, a dataset of xarray, or what offers one."""
     if isinstance(given, str | os.PathLike):
         return read_recording(given)
-    library = _library(given)
+    library = _table_library(given)
     if library == "pandas":
         return Recording.from_pandas(given)
     if library == "xarray":
         return Recording.from_xarray(given)
     made = given.to_recording() if hasattr(given, "to_recording") else None
     if not isinstance(made, Recording):
-        raise _refused(given, key)
+        raise _no_recording(given, key)
     return made
 
 
-def _library(given: Any) -> str:
+def _table_library(given: Any) -> str:
     """Library of a table; empty for anything else. The libraries need not be installed for that."""
     kind = type(given)
     known = {("pandas", "DataFrame"), ("xarray", "Dataset")}
@@ -65,6 +65,6 @@ def _library(given: Any) -> str:
     return library if (library, kind.__name__) in known else ""
 
 
-def _refused(given: Any, key: str | None) -> InputError:
+def _no_recording(given: Any, key: str | None) -> InputError:
     remedy = "give what fd.simulate or fd.read_recording returned, a path, or a pandas.DataFrame"
     return InputError("neither a run nor a recording", key=key, value=given, remedy=remedy)

@@ -44,7 +44,7 @@ def locked(meta: Mapping[str, Any] | None) -> Mapping[str, Any]:
 
 def as_json(meta: Mapping[str, Any]) -> str:
     """JSON text, in ASCII, of data that `locked` accepts or returns."""
-    text = json.dumps(meta, default=_plain, allow_nan=False)
+    text = json.dumps(meta, default=_plain_value, allow_nan=False)
     if len(text) > _LONGEST_META:
         raise InputError("meta is longer than 16 MiB", key="meta", remedy="keep long data in channels")
     return text
@@ -70,7 +70,7 @@ def from_json(text: str) -> dict[str, Any]:
     return meta
 
 
-def _plain(value: Any) -> Any:
+def _plain_value(value: Any) -> Any:
     if isinstance(value, Mapping):
         return dict(value)
     if isinstance(value, np.ndarray | np.generic):

@@ -25,7 +25,7 @@ _PANDAS_LABELS = "__index_level_"
 
 def write(rec: Recording, path: Path) -> None:
     """Write row groups of a million samples, each page with its checksum."""
-    pa, pq = _library()
+    pa, pq = _pyarrow()
     columns = {"t": rec.t, **rec.channels}
     fields = [pa.field(name, pa.float64(), nullable=False, metadata={"units": rec.unit(name)}) for name in columns]
     schema = pa.schema(fields, metadata={RESERVED: as_json(rec.meta)} if rec.meta else None)
@@ -45,7 +45,7 @@ def read(path: Path, request: Request) -> Table:
         InputError: not a Parquet file, truncated, types other than numbers, missing values, impossible sizes.
         MissingExtra: pyarrow is not installed.
     """
-    pa, pq = _library()
+    pa, pq = _pyarrow()
     table = Table()
     with open(path, "rb") as stream:
         with damage_named("not a Parquet file, or truncated"):
@@ -60,13 +60,13 @@ def read(path: Path, request: Request) -> Table:
             table.meta = from_json(schema.metadata[RESERVED.encode()].decode("utf-8", "replace"))
         for place, name in enumerate(names):
             with damage_named(f"the column {name} cannot be read"):
-                table.add(name, _column(file, name, rows))
+                table.add(name, _whole_column(file, name, rows))
             table.units[name] = (schema.field(name).metadata or {}).get(b"units", b"").decode("utf-8", "replace")
             request.report((place + 1) / len(names))
     return table
 
 
-def _library() -> tuple[Any, Any]:
+def _pyarrow() -> tuple[Any, Any]:
     with needed("pyarrow", "parquet"):
         import pyarrow
         import pyarrow.parquet
@@ -107,7 +107,7 @@ def _check_type(pa: Any, kind: Any, name: str) -> None:
     raise InputError(f"the column holds {kind}, not doubles", remedy=remedy, channel=name)
 
 
-def _column(file: Any, name: str, rows: list[int]) -> Array:
+def _whole_column(file: Any, name: str, rows: list[int]) -> Array:
     """One column from all row groups."""
     values = np.empty(sum(rows))
     begin = 0

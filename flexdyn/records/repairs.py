@@ -136,13 +136,13 @@ def _filled(columns: _Columns, rows: Rows, longest: float) -> tuple[_Columns, in
         if good.all():
             whole[name] = values
             continue
-        _check_gaps(t, good, name, rows, longest)
+        _check_fillable(t, good, name, rows, longest)
         whole[name] = np.where(good, values, np.interp(t, t[good], values[good]))
         touched |= ~good
     return whole, int(touched.sum())
 
 
-def _check_gaps(t: Array, good: Flags, name: str, rows: Rows, longest: float) -> None:
+def _check_fillable(t: Array, good: Flags, name: str, rows: Rows, longest: float) -> None:
     """Refuse a gap that is too long to be filled, or open at an end."""
     known = np.flatnonzero(good)
     if not len(known) or not good[0] or not good[-1]:

@@ -8,7 +8,14 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from flexdyn.records.channelmap.known_units import UNITS, plain_unit, split_unit
 from flexdyn.records.units import SIGNALS, split_name
 
-_SIGNALS = {"angle": "q", "length": "q", "angular velocity": "v", "velocity": "v", "torque": "tau", "force": "tau"}
+_SIGNAL_OF_QUANTITY = {
+    "angle": "q",
+    "length": "q",
+    "angular velocity": "v",
+    "velocity": "v",
+    "torque": "tau",
+    "force": "tau",
+}
 _WORDS = {
     "q": r"pos|angle|winkel|\bist\b|actual|lage",
     "v": r"vel|speed|geschw|drehzahl",
@@ -99,7 +106,7 @@ def _signal(name: str) -> str:
     """The signal that a column is likely to be, by its unit or else by words in its name; empty if neither tells."""
     bare, unit = split_unit(name)
     if unit and plain_unit(unit) in UNITS:
-        return _SIGNALS.get(UNITS[plain_unit(unit)].quantity, "")
+        return _SIGNAL_OF_QUANTITY.get(UNITS[plain_unit(unit)].quantity, "")
     # The name of a field says more than the name of its struct: force_test.pos is a position.
     for text in (bare.rpartition(".")[2], bare):
         for signal, words in _WORDS.items():

@@ -30,7 +30,7 @@ PRISMATIC: Mapping[str, str] = {"rad": "m", "rad/s": "m/s", "N m": "N"}
 UNITLESS = ("", "1", "-")
 """Words in files for a number without unit."""
 
-_SPELLINGS = {
+_SI_SPELLINGS = {
     "s": ("sec", "second", "seconds"),
     "rad": ("radian", "radians"),
     "rad/s": ("rad/sec", "rad s-1", "rad s^-1", "rad*s^-1"),
@@ -40,7 +40,7 @@ _SPELLINGS = {
     "N": ("newton", "newtons"),
     "degC": ("°C", "C", "celsius", "Celsius", "deg C"),
 }
-_USUAL = {other: unit for unit, others in _SPELLINGS.items() for other in others}
+_USUAL = {other: unit for unit, others in _SI_SPELLINGS.items() for other in others}
 
 
 def split_name(channel: str) -> tuple[str, str] | None:

@@ -58,12 +58,12 @@ def with_axes(robot: Robot, entries: Any, *, ignore_dynamics: bool = False) -> R
     numbers: dict[str, Any] = {name: np.array(getattr(robot, name)) for name in (*none, "damping", "friction")}
     for name, values in numbers.items():
         values[places] = none.get(name, 0.0)
-    tree, limits = replace(robot.tree, gain=gain), _limits(robot, places)
+    tree, limits = replace(robot.tree, gain=gain), _limited_joints(robot, places)
     named: Any = {"joint_names": tuple(names), "kinds": tuple(kinds), "continuous": tuple(continuous)}
     return replace(robot, **named, **numbers, tree=tree, axes=axes, coupled_limits=limits)
 
 
-def _limits(robot: Robot, places: list[int]) -> dict[str, tuple[float, float]]:
+def _limited_joints(robot: Robot, places: list[int]) -> dict[str, tuple[float, float]]:
     """Joint -> (lower, upper) of joints that are limited."""
     pairs = {robot.joint_names[j]: (float(robot.lower[j]), float(robot.upper[j])) for j in places}
     return {joint: pair for joint, pair in pairs.items() if any(math.isfinite(value) for value in pair)}

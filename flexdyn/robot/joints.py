@@ -53,7 +53,7 @@ def read_joint(element: Any) -> RobotJoint:
     kind = _kind(element, key)
     parent, child = (_end(element, key, end) for end in ("parent", "child"))
     xyz, rpy = pose_of(element, key)
-    limits, dynamics = _limits(element, key, kind), _dynamics(element, key)
+    limits, dynamics = _urdf_limits(element, key, kind), _dynamics(element, key)
     axis = _axis(element, key) if kind in MOVING else (1.0, 0.0, 0.0)
     mimic = _mimic(element, key) if kind in MOVING else None
     return RobotJoint(name, kind, parent, child, xyz, rpy, axis, *limits, *dynamics, mimic, element.sourceline)
@@ -88,7 +88,7 @@ def _axis(element: Any, key: str) -> tuple[float, ...]:
     return tuple(value / length for value in axis)
 
 
-def _limits(element: Any, key: str, kind: str) -> tuple[float, float, float, float]:
+def _urdf_limits(element: Any, key: str, kind: str) -> tuple[float, float, float, float]:
     """lower, upper, velocity, effort; without a range there is no limit, and a missing end of a range is 0."""
     found = element.find("limit")
     if found is None or kind == "fixed":

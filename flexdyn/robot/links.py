@@ -73,11 +73,11 @@ def read_visuals(link: Any, key: str, colors: dict[str, tuple[float, ...]]) -> t
             continue
         xyz, rpy = pose_of(element, key)
         mesh = str(shape.get("filename") or "").strip() if shape.tag == "mesh" else ""
-        found.append(Visual(str(shape.tag), _size(shape, key), mesh, xyz, rpy, _color(element, colors)))
+        found.append(Visual(str(shape.tag), _shape_size(shape, key), mesh, xyz, rpy, _color(element, colors)))
     return tuple(found)
 
 
-def _size(shape: Any, key: str) -> tuple[float, ...]:
+def _shape_size(shape: Any, key: str) -> tuple[float, ...]:
     default = (1.0, 1.0, 1.0) if shape.tag == "mesh" else None
     given = SIZES.get(shape.tag, ())
     read = (numbers(shape, name, f"{key}/{shape.tag}/{name}", count, default) for name, count in given)

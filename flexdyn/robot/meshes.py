@@ -183,7 +183,7 @@ def _bounded(links: Sequence[Link]) -> tuple[list[Link], list[str]]:
     for link in links:
         good = []
         for visual in link.visuals:
-            size = _size(visual.mesh) if visual.mesh else 0
+            size = _file_size(visual.mesh) if visual.mesh else 0
             if size > min(MAX_MESH_BYTES, left):
                 large.append(visual.mesh)
                 continue
@@ -193,7 +193,7 @@ def _bounded(links: Sequence[Link]) -> tuple[list[Link], list[str]]:
     return kept, large
 
 
-def _size(mesh: str) -> int:
+def _file_size(mesh: str) -> int:
     """Bytes of a mesh file; none of one that is gone, which then cannot be read."""
     try:
         return Path(mesh).stat().st_size

@@ -74,7 +74,7 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
         return _servo(model, Servo(reference=command, firmware=firmware_by_joint(model)))
     if isinstance(command, Recording):
         samples = recorded(with_asked_torque(model, command), "tau", model.joint_names)
-        made = _open_loop(samples, model, command.duration, first_state(command, model))
+        made = _open_loop(samples, model, command.duration, measured_state(command, model))
         return replace(made, notes=_gaps("command", command, "its last value is held"))
     if isinstance(command, Samples):
         return _open_loop(command, model, command.duration, {})
@@ -83,7 +83,7 @@ def make_drive(model: FlexibleJointModel, command: Any, duration: float | None) 
     if isinstance(command, Servo):
         return _servo(model, command)
     if isinstance(command, Controller):
-        return Drive(_core.controller(_caller(command), command.rate), None, {}, controller=command)
+        return Drive(_core.controller(_controller_call(command), command.rate), None, {}, controller=command)
     check_command(command)
     torques = per_joint("command", command, model.joint_names)
     end = 1.0 if duration is None else duration
@@ -156,7 +156,7 @@ def recorded(recording: Recording, signal: str, joint_names: Sequence[str]) -> S
     return Samples(recording.t, {joint: recording[f"{signal}.{joint}"] for joint in found})
 
 
-def first_state(recording: Recording, model: FlexibleJointModel) -> dict[str, dict[str, float]]:
+def measured_state(recording: Recording, model: FlexibleJointModel) -> dict[str, dict[str, float]]:
     """The first measured state; for a joint with one encoder, q and theta start with the same value.
 
     A rigid joint has one position: q, or theta where only that was measured.
@@ -197,7 +197,7 @@ def _tracking(model: FlexibleJointModel, pd: PD) -> Drive:
     initial: FirstState = {}
     notes: tuple[str, ...] = ()
     if isinstance(reference, Recording):
-        initial = first_state(reference, model)
+        initial = measured_state(reference, model)
         notes = _gaps("reference", reference, "it is interpolated")
         held = recorded(reference, "q" if "q" in reference.signals else "theta", names)
         reference = Samples(held.t, held.columns(names), pd.interpolation or RECORDED)
@@ -229,7 +229,7 @@ def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
     reference = resolve_command(servo.reference)
     initial: FirstState = {}
     if isinstance(reference, Recording):
-        initial = first_state(reference, model)
+        initial = measured_state(reference, model)
         known = ("goal", "reference", "theta", "q")
         there = {name.partition(".")[0] for name in reference.channels if name.partition(".")[2] in model.joint_names}
         signal = next((name for name in known if name in there), "reference")
@@ -239,7 +239,7 @@ def _servo(model: FlexibleJointModel, servo: Servo) -> Drive:
         command = _firmware(model, servo, reference)
     else:
         law = Controller(servo.law(reference, model.joint_names), servo.rate)
-        command = _core.controller(_caller(law), servo.rate)
+        command = _core.controller(_controller_call(law), servo.rate)
     controller = servo if servo.firmware is None else None
     reference = _whole(reference, model.joint_names)
     return Drive(command, reference.duration, initial, controller=controller, reference=reference)
@@ -282,7 +282,7 @@ def _signal(samples: Samples, joint_names: Sequence[str]) -> _core.Signal:
     return _core.signal(*samples.pieces(samples.columns(joint_names)))
 
 
-def _caller(controller: Controller) -> Any:
+def _controller_call(controller: Controller) -> Any:
     def call(t: float, q: Array, v: Array, theta: Array, omega: Array) -> Array:
         tau = np.atleast_1d(np.asarray(controller.law(t, State(q, v, theta, omega)), dtype=float))
         if tau.shape != q.shape or not np.isfinite(tau).all():

@@ -52,7 +52,7 @@ def core_law(model: FlexibleJointModel, effect: Effect) -> _core.Law:
     joint = model.index(effect.joint) if row is None else int(np.flatnonzero(row)[0])
     if effect.is_python:
         _check_stage(effect)
-        return _core.python_law(effect.stage, joint, side, _caller(effect))
+        return _core.python_law(effect.stage, joint, side, _law_call(effect))
     other = model.index(effect.partner) if isinstance(effect, CouplingEffect) else -1
     try:
         return _core_law(effect.name, joint, side, effect.values, other, () if row is None else tuple(row.tolist()))
@@ -75,7 +75,7 @@ def _check_stage(effect: JointEffect) -> None:
         raise InputError(problem, key=f"{effect.name}.side", value=effect.side, remedy=f"it is {' or '.join(allowed)}")
 
 
-def _caller(effect: JointEffect) -> Any:
+def _law_call(effect: JointEffect) -> Any:
     def call(t: float, x: float, u: float, tau: float) -> float:
         return float(effect.torque(x, u, t=t, tau=tau))
 

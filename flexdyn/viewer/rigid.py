@@ -11,7 +11,7 @@ from flexdyn.control.servo import Servo
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
-from flexdyn.simulation.command_input import first_state, resolve_command
+from flexdyn.simulation.command_input import measured_state, resolve_command
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 from flexdyn.viewer.motion import PlayedMotion, of_run
@@ -78,7 +78,7 @@ def _beside_recording(
         ghost = of_run(simulate(rigid, source, q0=shown.q[0], times=times))
         notes = (OPEN_LOOP, *idle, *_slow(source, model))
         return replace(ghost, label=f"{ghost.label}, in open loop"), notes
-    start = first_state(source, rigid)["v"] or None
+    start = measured_state(source, rigid)["v"] or None
     run = simulate(rigid, command, float(times[-1]), q0=shown.q[0], v0=start, times=times)
     return _labelled(run, command), _slow(source, model)
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.arrays import Array
+from flexdyn.plots.page import BLUE
 from flexdyn.robot import Robot
 from flexdyn.robot.tree import Tree
 from flexdyn.viewer.bodies import Body
@@ -16,8 +17,8 @@ from flexdyn.viewer.solids import DialShape, dial_pose, face, needle, tube
 
 ARM, GHOST = "/arm", "/ghost"
 """Nodes of the arms in the scene's tree; the page makes the second arm from the first."""
-BLUE, VIOLET, SILVER = "#1f4e9c", "#9b30c9", "#99a6ba"
-"""Colours of the parts of the arm and of the second arm, and of an arm whose file gives no colour."""
+VIOLET, SILVER = "#9b30c9", "#99a6ba"
+"""Colours of the second arm, and of an arm whose file gives no colour; parts of the arm are `BLUE`."""
 
 
 @dataclass(frozen=True)

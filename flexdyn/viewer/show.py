@@ -10,12 +10,13 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.plots.page import BLUE
 from flexdyn.robot import frame_positions
 from flexdyn.viewer.bodies import bodies_of
 from flexdyn.viewer.layout import Extent, arm_size, extent
 from flexdyn.viewer.motion import Frames, PlayedMotion, checked_factor, frames_of, magnification
 from flexdyn.viewer.page import floats, page
-from flexdyn.viewer.scene import ARM, BLUE, GHOST, SILVER, VIOLET, ArmScene, NodeMove, commands_of
+from flexdyn.viewer.scene import ARM, GHOST, SILVER, VIOLET, ArmScene, NodeMove, commands_of
 from flexdyn.viewer.solids import NEEDLE
 
 COLUMNS = {"q": "q", "deflection": "\u03b8 \u2212 q", "difference": "\u0394q"}

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pickle
+import subprocess
+import sys
 from collections.abc import Callable
 
 import numpy as np
@@ -151,3 +153,29 @@ def test_what_is_missing_is_said_in_one_line() -> None:
         fd.steady_points([fd.Recording(t, {"tau.arm": np.sin(t)})], "arm")
     with pytest.raises(fd.InputError, match="std"):
         fd.SteadyPoint(1.0, 1.0, 0.0)
+
+
+def test_a_law_of_the_users_own_is_tried() -> None:
+    """A rise that a hyperbola describes: its class declares `steady` and a speed."""
+    script = f"""
+import numpy as np
+import flexdyn as fd
+class HyperbolicFriction(fd.effects.JointEffect):
+    '''Friction in excess of the kinetic level, which falls as a hyperbola.'''
+    sides, stage = ("link", "motor"), "friction"
+    law = "excess/(1 + (u/velocity)^2)*sign(u)"
+    linear, grids, steady = ("excess",), {{"velocity": ("speed", (0.1,))}}, True
+    excess: float = fd.effects.parameter("N m", lower=0.0)
+    velocity: float = fd.effects.parameter("rad/s", lower=0.0, strict=True)
+    def torque(self, x, u, *, t=0.0, tau=0.0):
+        return self.excess * np.sign(u) / (1.0 + (np.asarray(u) / self.velocity) ** 2)
+law = HyperbolicFriction("elbow", side="motor", excess=0.6, velocity=0.15)
+speeds = np.array({SPEEDS.tolist()})
+drawn = 0.004 * np.random.default_rng(0).standard_normal(len(speeds))
+torque = 2.0 + 0.5 * speeds + law.torque(0.0, speeds) + drawn
+found = fd.steady_friction([fd.SteadyPoint(u, tau, 0.004) for u, tau in zip(speeds, torque, strict=True)])[1]
+(trial,) = [each for each in found.trials if each.named]
+print(trial.effect, *(f"{{value:.2f}}" for value, _ in trial.numbers.values()))
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["hyperbolic_friction", "0.60", "0.15"]

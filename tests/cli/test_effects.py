@@ -17,14 +17,12 @@ from flexdyn.plots.laws import law_figure
 from tests.cli.conftest import Runner
 
 NAMES = tuple(fd.effects.catalogue())
-WITHOUT_LAW = {"payload": "it changes M(q) and h(q, v)", "parameter_error": "it changes a number of the model"}
-DRAWN = tuple(name for name in NAMES if name not in WITHOUT_LAW)
 OVER_TORQUE = ("torque_offset", "torque_constant_error", "torque_saturation")
 OVER_TIME = ("command_delay", "channel_lag")
 OVER_POSITION = (
     *("position_dependent_friction", "presliding_friction", "joint_elasticity", "hardening_spring", "backlash"),
     *("spring_hysteresis", "kinematic_error", "torque_ripple", "parallel_spring", "position_torque", "end_stop"),
-    *("encoder_eccentricity", "sensor_offset", "sensor_gain"),
+    *("encoder_eccentricity", "sensor_offset", "sensor_gain", "payload", "parameter_error"),
 )
 BLUE, RED = "#1f4e9c", "#c23b22"
 MAGIC = {".png": b"\x89PNG\r\n", ".pdf": b"%PDF-", ".svg": b"<?xml"}
@@ -69,7 +67,7 @@ def test_formats_of_pictures(flexdyn: Runner, suffix: str) -> None:
     assert list(Path().iterdir()) == [path]
 
 
-@pytest.mark.parametrize("name", DRAWN)
+@pytest.mark.parametrize("name", NAMES)
 def test_every_law_can_be_drawn(tmp_path: Path, name: str) -> None:
     """Each picture carries the effect's name and law, what it is drawn over, and the units of its axes."""
     kind = fd.effects.catalogue()[name]
@@ -84,13 +82,44 @@ def test_every_law_can_be_drawn(tmp_path: Path, name: str) -> None:
     assert [label[label.rindex("[") :] for label in labels] == [across, "[rad]" if is_length else "[N m]"]
 
 
-@pytest.mark.parametrize("name", WITHOUT_LAW)
-def test_an_effect_without_a_law_says_so(flexdyn: Runner, name: str) -> None:
-    """One line that tells what the effect does instead, and no file."""
-    outcome = flexdyn("effects", name, "-o", "law.png")
-    assert outcome.code == 2
-    assert f"the effect has no law to draw, got '{name}'; {WITHOUT_LAW[name]}" in outcome.err
-    assert not list(Path().iterdir())
+def test_an_effect_without_a_law_says_so(tmp_path: Path) -> None:
+    """A user's law that acts on no joint: what it does instead stands in the error, and no file is left."""
+
+    class Wind(fd.effects.Effect, abstract=True):
+        name = "wind"
+        no_torque = "it pushes the whole arm"
+
+    with pytest.raises(fd.InputError, match="the effect has no law to draw, got 'wind'; it pushes the whole arm"):
+        draw_law(Wind, tmp_path / "law.png")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("effect", "extra"),
+    [
+        (fd.effects.Payload(mass=1.0), (0.5 * 9.81, 0.25 * 15.0)),
+        (fd.effects.Payload(mass=1.0, frame="joint"), (0.0, 0.0)),
+        (fd.effects.ParameterError("elbow", parameter="rotor_inertia", factor=1.5), (0.0, 0.1 * 15.0)),
+        (fd.effects.ParameterError("rod", parameter="link_mass", factor=1.5), (0.5 * 0.5 * 9.81, 0.5 * 0.125 * 15.0)),
+    ],
+)
+def test_what_changes_the_arm_is_drawn_by_its_torque(effect: fd.effects.Effect, extra: tuple[float, float]) -> None:
+    """Weight at the horizontal rod, and the torque of acceleration beside it, as by hand: 0.5 m, 2 kg, 0.2 kg m^2."""
+    (axes,) = law_figure(effect).axes
+    curves = {
+        (line.get_color(), line.get_linestyle()): line.get_xydata() for line in axes.lines if len(line.get_xdata()) > 2
+    }
+    weight, both = (
+        [float(np.interp(0.5 * np.pi, *curves[shade, look].T)) for look in ("-", "--")] for shade in (BLUE, RED)
+    )
+    assert weight[0] - weight[1] == pytest.approx(extra[0], abs=1e-3)
+    assert both[0] - both[1] - (weight[0] - weight[1]) == pytest.approx(extra[1], abs=1e-3)
+
+
+def test_an_error_of_a_number_that_the_drawn_arm_lacks_is_refused() -> None:
+    """A rigid joint has no stiffness."""
+    with pytest.raises(fd.InputError, match="stiffness"):
+        law_figure(fd.effects.ParameterError("elbow", parameter="stiffness", factor=1.5))
 
 
 @pytest.mark.parametrize("name", ["presliding_friction", "spring_hysteresis"])

@@ -54,7 +54,7 @@ ARGUMENTS = [
     (["new", "arm.yaml", "-o", "new.yaml"], ["arm.yaml", "a model file already"]),
     (["effects", "viscous_friction", "-o", "law.jpg"], ["law.jpg", "'.jpg'", ".png, .pdf, .svg"]),
     (["effects", "-o", "law.png"], ["NAME", "say which effect"]),
-    (["effects", "payload", "-o", "law.png"], ["'payload'", "no law"]),
+    (["effects", "payload", "-o", "law.gif"], ["law.gif", ".png"]),
     (["effects", "stribek"], ["'stribek'", "did you mean 'stribeck_friction'?"]),
     (["effects", "coulomb_fricton"], ["'coulomb_fricton'", "did you mean 'coulomb_friction'?"]),
     (["paper", "-o", "tau.csv"], ["tau.csv", "--output", "it is a file"]),

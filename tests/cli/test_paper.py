@@ -38,7 +38,7 @@ def study(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Path]]:
             folders.append(out / "diagnosis" if diagnose else out)
             assert progress is None, "stderr is no terminal here"
             checks = tuple(Check(f"check {k}", 1e-12, 1e-11, good, "m") for k, good in enumerate(passed))
-            numbers = {hidden_friction.TITLE: FOUND} if diagnose else {}
+            numbers = {hidden_friction.CHAPTER_TITLE: FOUND} if diagnose else {}
             return PaperStudy({"slope": -1.0, "worst": float("inf"), "numbers": numbers}, checks, ())
 
         module = ModuleType("flexdyn.paper")

@@ -14,7 +14,7 @@ from scipy.optimize import least_squares
 import flexdyn as fd
 from flexdyn.diagnose.constants import LEAST_DESCENT
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.hypothesis.estimate import _begun, _stepped, fit
+from flexdyn.diagnose.hypothesis.estimate import _after_share, _begun, fit
 from flexdyn.diagnose.hypothesis.exact_descent import descended
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
@@ -111,8 +111,8 @@ def test_a_spring_beyond_all_bounds_is_an_error_and_a_step_to_it_is_not_made() -
     cubic = len(start.factors)
     assert tame.step[cubic] * tame.scales[0] != 0.0
     beyond = 1e306 / abs(tame.step[cubic] * tame.scales[0])
-    assert _stepped(dataclasses.replace(tame, scales=(beyond * tame.scales[0],)), 1.0, math.inf) is None
-    one = _stepped(tame, 1.0, math.inf)
+    assert _after_share(dataclasses.replace(tame, scales=(beyond * tame.scales[0],)), 1.0, math.inf) is None
+    one = _after_share(tame, 1.0, math.inf)
     assert one is not None
     assert one.reached < tame.reached
 

@@ -11,8 +11,12 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.analysis.regressor import _joints
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, bounded
+from flexdyn.diagnose.hypothesis.linear import tangent_scale
+from flexdyn.diagnose.hypothesis.own_effects import _values
 from flexdyn.diagnose.report.words import effect_name
 from flexdyn.effects import InertiaEffect, JointEffect, base, parameter
+from flexdyn.effects.extent import MotionExtent
 from flexdyn.model.uncertain_parameters import file_numbers
 from flexdyn.simulation.link_side import LinkSide
 from tests.arms import unlisted
@@ -41,6 +45,20 @@ class Belt(JointEffect):
     neutral: ClassVar[Mapping[str, float]] = {"rate": math.inf}
     makes_elastic = "rate"
     rate: float = parameter("N m/rad", lower=0.0, strict=True)
+
+
+@unlisted
+class Cogging(JointEffect):
+    """Torque of a motor's teeth, whose angle the user calls a lag."""
+
+    sides = ("motor",)
+    stage = "actuator"
+    neutral: ClassVar[Mapping[str, float]] = {"height": 0.0}
+    cycles = "teeth"
+    height: float = parameter("N m")
+    teeth: float = parameter("1", chosen=True)
+    lag: float = parameter("rad", around=True, step=0.02)
+    wear: float = parameter("1", default=0.0, step_at_zero=0.003)
 
 
 @unlisted
@@ -128,3 +146,20 @@ def test_its_own_words(monkeypatch: pytest.MonkeyPatch) -> None:
     assert effect_name("magnet") == "magnet"
     monkeypatch.setitem(base._registry, "magnet", Magnet)
     assert effect_name("magnet") == "Bitter magnet"
+
+
+def test_a_fit_asks_what_parameters_declare() -> None:
+    """Steps of slopes, bounds of cycles, values around a cycle: whatever the parameters are called."""
+    effect = Cogging("elbow", height=0.2, teeth=12.0, lag=0.1)
+    scales = {field.name: tangent_scale(effect, field.name) for field in effect.parameters()}
+    assert scales == pytest.approx({"height": 0.002, "teeth": 0.12, "lag": 0.02, "wear": 0.003})
+    assert [bounded(effect, "teeth", step) for step in (-20.0, 0.5, 20.0)] == pytest.approx([10.8, 12.5, 13.2])
+    assert bounded(effect, "lag", -20.0) == pytest.approx(-19.9)
+    estimated = Hypothesis(ARM, {}, effects=(effect,)).unknowns()
+    with_cycles = Hypothesis(ARM, {}, effects=(effect,), fits_cycles=True).unknowns()
+    assert [name for _, name in estimated] == ["height", "lag", "wear"]
+    assert [name for _, name in with_cycles] == ["height", "teeth", "lag", "wear"]
+    extent = MotionExtent(1.0, 1.0, 0.01, 5.0, 5.0, 4.0, low=-0.5, high=0.5, ratio=1.0)
+    tried = {field.name: _values(field, extent) for field in effect.parameters()}
+    assert tried["lag"] == pytest.approx(np.arange(8) * np.pi / 4.0)
+    assert max(tried["teeth"]) == 8.0

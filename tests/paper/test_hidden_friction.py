@@ -143,7 +143,7 @@ def test_the_study_with_a_diagnosis(cases: PaperCases, tmp_path: Path, monkeypat
     assert made >= {f"diagnosis/{name}" for name in ("report.html", "report.json", "model.yaml")}
     assert made >= {"hidden_friction.png", "runs/diagnosis_fit.npz"}
     assert not done.passed
-    told = done.summary["numbers"][hidden_friction.TITLE]
+    told = done.summary["numbers"][hidden_friction.CHAPTER_TITLE]
     assert [each["found"] is None for each in told["hidden"]] == [True, True, True, True, True, False, False, False]
     assert [each["true"] for each in told["hidden"]][:2] == [0.02, 0.02]
     text = (tmp_path / "summary.md").read_text(encoding="utf-8")

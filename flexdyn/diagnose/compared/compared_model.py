@@ -14,13 +14,14 @@ from flexdyn.diagnose.report.calibrated import FACTOR, given_number
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Number
 from flexdyn.diagnose.report.words import effect_name, names_number, number_phrase, place_phrase
+from flexdyn.diagnose.report.write import MODEL
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model
 from flexdyn.model.uncertain_parameters import file_numbers
 
 Given = Diagnosis | FlexibleJointModel | str | os.PathLike[str]
-REPORT, MODEL = "report.json", "model.yaml"
+REPORT = "report.json"
 
 
 @dataclass(frozen=True)
@@ -54,9 +55,9 @@ def compared_model(given: Given, label: str) -> ComparedModel:
         InputError: there is no such file or folder, or it holds no model, or a report that is not read.
     """
     if isinstance(given, Diagnosis):
-        return _compared(given.model, given.to_dict(), label)
+        return _with_report(given.model, given.to_dict(), label)
     if isinstance(given, FlexibleJointModel):
-        return _compared(given, {}, label)
+        return _with_report(given, {}, label)
     try:
         path = Path(given)
     except TypeError:
@@ -67,10 +68,10 @@ def compared_model(given: Given, label: str) -> ComparedModel:
         remedy = f"a folder of a diagnosis with {MODEL} is needed; it is not written where it would be a worse model"
         raise InputError("the folder holds no corrected model", file=path, key=MODEL, remedy=remedy)
     model, report = load_model(file), file.with_name(REPORT)
-    return _compared(model, read_report(report) if file.name == MODEL and report.exists() else {}, label)
+    return _with_report(model, read_report(report) if file.name == MODEL and report.exists() else {}, label)
 
 
-def _compared(model: FlexibleJointModel, report: Mapping[str, Any], label: str) -> ComparedModel:
+def _with_report(model: FlexibleJointModel, report: Mapping[str, Any], label: str) -> ComparedModel:
     """A model with the uncertainties and probabilities in the report of its diagnosis, else with its tolerances."""
     relative = {number_phrase(model, n.of, n.parameter): n.tolerance for n in file_numbers(model)}
     factors, acting = {}, _effects_by_place(model)
@@ -90,11 +91,11 @@ def _compared(model: FlexibleJointModel, report: Mapping[str, Any], label: str) 
             factors[phrase], relative[phrase] = value, std / max(abs(value), 1e-300)
         if where in acting:
             probability[where] = _float(finding["probability"])
-    numbers = _numbers(model.resolved(), relative, factors)
+    numbers = _numbers_of_model(model.resolved(), relative, factors)
     return ComparedModel(label, tuple(model.joint_names), numbers, acting, probability)
 
 
-def _numbers(
+def _numbers_of_model(
     true: FlexibleJointModel, relative: Mapping[str, float], factors: Mapping[str, float]
 ) -> dict[str, Number]:
     """Of the model as it is true; those of links as factors on their URDF, which holds the number."""

@@ -181,7 +181,7 @@ def compare_models(models: Sequence[Given], labels: Sequence[str] = ()) -> Model
             remedy = f"{models_[0].label} has {', '.join(models_[0].joints)}"
             raise InputError("models of different arms", key=side.label, value=", ".join(side.joints), remedy=remedy)
     names = dict.fromkeys(name for side in models_ for name in side.numbers)
-    numbers = [_number(name, models_) for name in names]
+    numbers = [_number_over_models(name, models_) for name in names]
     effects = [_effect(name, models_) for name in dict.fromkeys(name for side in models_ for name in side.effects)]
     order = {"moved": 0, "stayed": 1, "not told": 2}
     shared = [each for each in numbers if sum(x is not None for x in each.values) > 1]
@@ -203,7 +203,7 @@ def _labels(models: Sequence[Given]) -> list[str]:
     return found if len(set(found)) == len(found) else letters
 
 
-def _number(name: str, models_: Sequence[ComparedModel]) -> NumberOverModels:
+def _number_over_models(name: str, models_: Sequence[ComparedModel]) -> NumberOverModels:
     values = tuple(side.numbers.get(name) for side in models_)
     there = [each for each in values if each is not None]
     probability, verdict = _same(there)

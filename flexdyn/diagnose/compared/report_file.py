@@ -44,7 +44,7 @@ def read_report(path: Path) -> Mapping[str, Any]:
 
 def _misfits(content: Mapping[str, Any]) -> Iterator[tuple[str, Any, str]]:
     """What is not as a diagnosis writes it: its key, its value, and what should be there."""
-    for name, check in (("findings", _finding), ("calibration", _calibrated), ("considered", _considered)):
+    for name, check in (("findings", _read_finding), ("calibration", _calibrated), ("considered", _read_considered)):
         entries = content.get(name)
         if not isinstance(entries, list):
             yield name, entries, "a list"
@@ -57,8 +57,8 @@ def _misfits(content: Mapping[str, Any]) -> Iterator[tuple[str, Any, str]]:
                 yield from check(key, entry)
 
 
-def _finding(key: str, entry: Mapping[str, Any]) -> Iterator[tuple[str, Any, str]]:
-    yield from _considered(key, entry)
+def _read_finding(key: str, entry: Mapping[str, Any]) -> Iterator[tuple[str, Any, str]]:
+    yield from _read_considered(key, entry)
     if names_number(str(entry.get("effect"))):
         yield from _texts(key, entry, ("of", "parameter"))
     parameters = entry.get("parameters")
@@ -68,23 +68,23 @@ def _finding(key: str, entry: Mapping[str, Any]) -> Iterator[tuple[str, Any, str
     for name, number in parameters.items():
         inside = f"{key}.parameters.{name}"
         if isinstance(number, dict):
-            yield from _numbers(inside, number, ("value",), ("std",))
+            yield from _read_numbers(inside, number, ("value",), ("std",))
         else:
             yield inside, number, "an object"
 
 
 def _calibrated(key: str, entry: Mapping[str, Any]) -> Iterator[tuple[str, Any, str]]:
     yield from _texts(key, entry, ("of", "parameter"))
-    yield from _numbers(key, entry, ("factor",), ("std",))
+    yield from _read_numbers(key, entry, ("factor",), ("std",))
 
 
-def _considered(key: str, entry: Mapping[str, Any]) -> Iterator[tuple[str, Any, str]]:
+def _read_considered(key: str, entry: Mapping[str, Any]) -> Iterator[tuple[str, Any, str]]:
     """An effect, where it acts, and its probability."""
     yield from _texts(key, entry, ("effect", "channel") if "channel" in entry else ("effect",))
     for name in ("joint", "side"):
         if entry.get(name) is not None:
             yield from _texts(key, entry, (name,))
-    yield from _numbers(key, entry, (), ("probability",))
+    yield from _read_numbers(key, entry, (), ("probability",))
 
 
 def _texts(key: str, entry: Mapping[str, Any], names: tuple[str, ...]) -> Iterator[tuple[str, Any, str]]:
@@ -93,7 +93,7 @@ def _texts(key: str, entry: Mapping[str, Any], names: tuple[str, ...]) -> Iterat
             yield f"{key}.{name}", entry.get(name), "a text"
 
 
-def _numbers(
+def _read_numbers(
     key: str, entry: Mapping[str, Any], any_sign: tuple[str, ...], positive: tuple[str, ...]
 ) -> Iterator[tuple[str, Any, str]]:
     """Finite numbers, the positive ones of at least 0; null is a number that the diagnosis could not tell."""

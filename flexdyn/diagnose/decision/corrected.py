@@ -143,12 +143,12 @@ def corrected(
         own |= {c: min(own[c], alone[c]) for c in told}
         named = names(masses, best, weighed(), there, may)
     kept = told_by_data(space, masses, best, [each for each in named if each.established], may)
-    made = _fitted(found, found.fitted, {each.candidate for each in kept} | completed(kept))
+    made = _fit_of_kept(found, found.fitted, {each.candidate for each in kept} | completed(kept))
     # An effect that explains more in simulations than remains there may be small in the equations.
     least = {c: 0.0 if simulated.get(c, 0.0) > 1.0 else SMALLEST_TORQUE_SHARE for c in best}
     # The linear equations may have promised too much; what is left out displaces the others.
     while kept != (kept := tuple(each for each in kept if stays(space, each.candidate, made, least[each.candidate]))):
-        made = _fitted(found, made, {each.candidate for each in kept} | completed(kept))
+        made = _fit_of_kept(found, made, {each.candidate for each in kept} | completed(kept))
     made = less_rounded(_continued(made))
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = leaves_noise(made, plain)
@@ -220,7 +220,7 @@ def _may_stand_in(found: Posterior, masses: Masses, of: int, c: int) -> bool:
     return abs(hypothesis_of(space, there).factors[number] - 1.0) > IN_TOLERANCE * number.tolerance
 
 
-def _fitted(found: Posterior, made: Fit, kept: Collection[int]) -> Fit:
+def _fit_of_kept(found: Posterior, made: Fit, kept: Collection[int]) -> Fit:
     """The fit with the kept candidates alone."""
     here, own = made.hypothesis, [found.space.candidates[c] for c in sorted(kept)]
     effects = needed(here, [each for each in here.effects if any(effect_of(one, here) is each for one in own)])

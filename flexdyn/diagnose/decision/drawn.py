@@ -67,7 +67,7 @@ def trajectories(on: OnData) -> tuple[Trajectory, ...]:
     found = []
     robot = on.rows.given.true.robot
     for j, joint in enumerate(on.rows.given.true.joint_names):
-        torques = _torques(on, j, f"torque [{robot.torque_unit(joint)}]")
+        torques = _torque_curves(on, j, f"torque [{robot.torque_unit(joint)}]")
         for k, part in enumerate(on.parts):
             if len(torques[k].t) < 2:
                 continue
@@ -76,7 +76,7 @@ def trajectories(on: OnData) -> tuple[Trajectory, ...]:
     return tuple(found)
 
 
-def _torques(on: OnData, j: int, label: str) -> list[MeasuredCurve]:
+def _torque_curves(on: OnData, j: int, label: str) -> list[MeasuredCurve]:
     """Recorded torque of a joint behind the equations' filters, and what each model needs less that (a curve a span).
 
     The lines are open at masked rows: a joint may rest there, and friction may then have any value.
@@ -105,7 +105,7 @@ def _position(shots: Shots, k: int, joint: str, unit: str) -> MeasuredCurve | No
     every = max(1, int(1.0 / (HIGHEST_DRAWN_RATE * windows.period)))
     t, measured = windows.t[which, ::every], windows.measured[which, ::every, column]
     errors = np.stack(
-        [_error(shot, which)[:, ::every, column] for shot in (shots.before, shots.calibrated, shots.after)]
+        [_window_errors(shot, which)[:, ::every, column] for shot in (shots.before, shots.calibrated, shots.after)]
     )
     t, measured = (_opened(x[None], x[:, -1:][None])[0] for x in (t, measured))
     return MeasuredCurve(
@@ -113,7 +113,7 @@ def _position(shots: Shots, k: int, joint: str, unit: str) -> MeasuredCurve | No
     )
 
 
-def _error(shot: Shot, which: NDArray[np.intp]) -> Array:
+def _window_errors(shot: Shot, which: NDArray[np.intp]) -> Array:
     """Simulated less measured (windows, rows, channels); NaN where that was not measured or simulated."""
     there = shot.used[which] & ~shot.failed[which, None, None]
     return np.where(there, shot.residual[which], np.nan)

@@ -165,16 +165,16 @@ def _errors(rows: ModelRows, over: Shots | None) -> dict[str, JointError]:
     for j, joint in enumerate(rows.given.true.joint_names):
         off, recorded_torque = rows.torque(j)
         unit = robot.torque_unit(joint)
-        torque = _signal([rms(each) for each in off], unit, max(rms(recorded_torque), 1e-12))
-        position = _signal([math.nan] * 3 if over is None else over.position(joint), robot.angle_unit(joint))
+        torque = _errors_of_signal([rms(each) for each in off], unit, max(rms(recorded_torque), 1e-12))
+        position = _errors_of_signal([math.nan] * 3 if over is None else over.position(joint), robot.angle_unit(joint))
         force = None
         if rows.given.data[0].forced[j]:
-            force = _signal(errors_of(rows.models, j), unit, recorded(rows.given, j))
+            force = _errors_of_signal(errors_of(rows.models, j), unit, recorded(rows.given, j))
         found[joint] = JointError(torque, position, () if over is None else over.scaled(joint), force)
     return found
 
 
-def _signal(off: Sequence[float], unit: str, size: float = 0.0) -> SignalError:
+def _errors_of_signal(off: Sequence[float], unit: str, size: float = 0.0) -> SignalError:
     """Errors by the model as given, calibrated and corrected."""
     before, calibrated, after = off
     return SignalError(before, after, unit, calibrated, size)

@@ -43,7 +43,7 @@ def findings(
         named: the names that are reported, see `reported_names`.
         gains: by candidate, share of the gap on the test data that it removes.
     """
-    made = [_finding(model, found, each, gains) for each in named]
+    made = [_finding_of(model, found, each, gains) for each in named]
     of = {each.candidate: entry for each, entry in zip(named, made, strict=True)}
     return tuple(of[c] for c in in_order(list(of), gains))
 
@@ -99,13 +99,17 @@ def _beyond_by(number: FileNumber, factor: float, std: float) -> float:
     return (abs(factor - 1.0) - IN_TOLERANCE * number.tolerance) / max(std, 1e-300)
 
 
-def _finding(model: FlexibleJointModel, found: Corrected, name: Name, gains: Mapping[int, float]) -> Finding:
+def _finding_of(model: FlexibleJointModel, found: Corrected, name: Name, gains: Mapping[int, float]) -> Finding:
     masses, candidates, c = found.masses, found.candidates, name.candidate
     compared = c in masses.candidates
     alone = masses.of_any([c]) if name.rivals else name.probability
-    suspect = suspect_of(model, candidates[c], alone, _numbers(model, candidates[c], found.hypothesis, found.fitted))
+    suspect = suspect_of(
+        model, candidates[c], alone, _numbers_of_candidate(model, candidates[c], found.hypothesis, found.fitted)
+    )
     rivals = tuple(
-        suspect_of(model, candidates[r], masses.of_any([r]), _numbers(model, candidates[r], found.instead(r, c)))
+        suspect_of(
+            model, candidates[r], masses.of_any([r]), _numbers_of_candidate(model, candidates[r], found.instead(r, c))
+        )
         for r in name.rivals
     )
     factor = masses.log_bayes_factor(c) if compared else math.nan
@@ -115,7 +119,7 @@ def _finding(model: FlexibleJointModel, found: Corrected, name: Name, gains: Map
     return Finding(suspect, name.probability, factor, gains.get(c, math.nan), rivals, told)
 
 
-def _numbers(
+def _numbers_of_candidate(
     model: FlexibleJointModel, candidate: Candidate, here: Hypothesis | None, made: Fit | None = None
 ) -> dict[str, Number]:
     """Numbers of a candidate in a hypothesis, with the standard deviations of its fit, if there is one."""

@@ -78,7 +78,7 @@ def _log_between_points(space: Space, structure: Structure, made: Fit) -> float:
     for c, _ in structure:
         candidate = space.candidates[c]
         effect = effect_of(candidate, made.hypothesis)
-        if candidate.proposal is None or candidate.choices == 1 or candidate.law.periodic or effect is None:
+        if candidate.proposal is None or candidate.choices == 1 or candidate.law.cycles or effect is None:
             continue
         places = [
             first + k for k, (each, name) in enumerate(unknowns) if each is effect and name in candidate.proposal.axes

@@ -13,7 +13,7 @@ from flexdyn.diagnose.decision.model_rows import ModelRows
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, SENSOR, TRANSMISSION
-from flexdyn.diagnose.equations.localise import SIDES
+from flexdyn.diagnose.equations.localise import SIDE_OF_EQUATION
 from flexdyn.diagnose.report.trace import ResidualTrace
 from flexdyn.diagnose.report.words import capital, effect_name, number_phrase
 
@@ -53,7 +53,7 @@ def _picture(rows: ModelRows, found: Corrected, c: int) -> ResidualTrace | None:
     own, left = law.reshape(shape)[clear, k], after.residual.reshape(shape)[clear, k]
     if not power.any() or len(own) < 2 * LAW_BINS:
         return None
-    known = [(label, values[clear]) for label, values in _quantities(after, k)]
+    known = [(label, values[clear]) for label, values in _quantities_of_laws(after, k)]
     shares = [_share(values, own) for _, values in known]
     best = next(place for place, share in enumerate(shares) if share >= max(shares) - EQUAL_SHARE_DIFFERENCE)
     label, x = known[best]
@@ -66,14 +66,14 @@ def _picture(rows: ModelRows, found: Corrected, c: int) -> ResidualTrace | None:
     number, name = candidate.number, effect_name(candidate.kind)
     name = name if number is None else number_phrase(found.hypothesis.given, number.of, number.parameter)
     trace = ResidualTrace.thinned(
-        f"{capital(name)}: {joint}, {SIDES[side]}", label, f"residual [{unit}]", x, own + left, left
+        f"{capital(name)}: {joint}, {SIDE_OF_EQUATION[side]}", label, f"residual [{unit}]", x, own + left, left
     )
     whole, more, less = (float((rows.white(at) ** 2).sum()) for at in (rows.given, without, after))
-    line = _line(x, own, LAW_POINTS if curve else LAW_BINS)
+    line = _averaged_line(x, own, LAW_POINTS if curve else LAW_BINS)
     return dataclasses.replace(trace, law=line, note=note, explains=(more - less) / max(whole, 1e-300))
 
 
-def _quantities(at: Equations, k: int) -> list[tuple[str, Array]]:
+def _quantities_of_laws(at: Equations, k: int) -> list[tuple[str, Array]]:
     """What a law may depend on, with its unit (rows of an equation,): of the equation's own joint first."""
     j, side = at.kinds[k]
     names, robot = at.true.joint_names, at.true.robot
@@ -109,7 +109,7 @@ def _share(x: Array, y: Array) -> float:
     return 1.0 - within / total * (len(y) - 1) / max(1, len(y) - LAW_BINS)
 
 
-def _line(x: Array, y: Array, count: int) -> Array:
+def _averaged_line(x: Array, y: Array, count: int) -> Array:
     """Averages over neighbours in x (points, 2), in its order."""
     order = np.argsort(x, kind="stable")
     parts = [part for part in np.array_split(order, min(count, len(x))) if len(part)]

@@ -30,7 +30,7 @@ def needed_in_fits(found: Posterior) -> Posterior:
     doubtful = sorted(best)
     while doubtful:
         here = log_posterior(space, best, made)
-        tried = {each: _without(space, best, each, made, here) for each in doubtful}
+        tried = {each: _without_candidate(space, best, each, made, here) for each in doubtful}
         values = {each: value for each, (value, _) in tried.items()}
         whole = frozenset(c for c, _ in best)
         odds += [(best - {each}, whole, math.exp(min(0.0, value - here))) for each, value in values.items()]
@@ -43,7 +43,9 @@ def needed_in_fits(found: Posterior) -> Posterior:
     return dataclasses.replace(found, best=best, fitted=made, by_fits=tuple(odds))
 
 
-def _without(space: Space, best: Structure, each: tuple[int, int], made: Fit, here: float) -> tuple[float, Fit | None]:
+def _without_candidate(
+    space: Space, best: Structure, each: tuple[int, int], made: Fit, here: float
+) -> tuple[float, Fit | None]:
     """Log posterior of a structure without one of its candidates, and its fit; it begins at that of the whole one."""
     start = _hypothesis_without(made.hypothesis, space.candidates[each[0]])
     return fit_if_likely(space, best - {each}, start, made, here - OCCAM_WINDOW)

@@ -37,7 +37,7 @@ def notes(compared: Posterior, found: Corrected) -> tuple[str, ...]:
     return (
         *_of_channels(compared),
         *failed,
-        *_of_torques(found),
+        *_late_torques(found),
         *_of_sums(found),
         *_of_unknown(found),
         *_of_priors(found),
@@ -87,7 +87,7 @@ def _of_sums(found: Corrected) -> Iterator[str]:
         )
 
 
-def _of_torques(found: Corrected) -> Iterator[str]:
+def _late_torques(found: Corrected) -> Iterator[str]:
     for each in lags_within_a_sample(found):
         yield (
             f"{each.channel} lags by {1e3 * each.lateness:.3g} ms, less than one sample. This is not a finding: the"

@@ -16,7 +16,9 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.resolved_parameters import OF_MOTOR, units_of
 
 PLACES = ("channel", "other", "frame", "of", "parameter")
-SIDES = dict.fromkeys(("rotor_inertia", *OF_MOTOR), "motor") | dict.fromkeys(("stiffness", "damping"), "transmission")
+SIDE_OF_NUMBER = dict.fromkeys(("rotor_inertia", *OF_MOTOR), "motor") | dict.fromkeys(
+    ("stiffness", "damping"), "transmission"
+)
 """Where a number of a joint acts; one of an effect acts on the effect's own side."""
 RANKED = 20
 """Largest number of structures in the report."""
@@ -39,7 +41,7 @@ def suspect_of(
     """
     if candidate.number is not None:
         number, at = candidate.number, effect_place(candidate.number.of)
-        side = SIDES.get(number.parameter) if at is None else getattr(model.effects[at], "side", None)
+        side = SIDE_OF_NUMBER.get(number.parameter) if at is None else getattr(model.effects[at], "side", None)
         more = {"parameters": numbers or {}, "probability": probability}
         return Suspect.of_number(number.of, number.parameter, number.joint, side, **more)
     kind = candidate.kind

@@ -34,7 +34,7 @@ def check_encoders(model: FlexibleJointModel, data: Measured) -> None:
                 problem, remedy = f"it rests while {alive}.{joint} moves", f"leave out {dead}.{joint}"
                 value = f"a range of {np.ptp(x):.2g} against {np.ptp(y):.2g}"
                 raise InputError(problem, file=data.name, key=f"{dead}.{joint}", value=value, remedy=remedy)
-        slope, share = _line(data.q[:, j], data.theta[:, j])
+        slope, share = _regression_line(data.q[:, j], data.theta[:, j])
         if share > ENCODERS_ALIKE_SHARE and 0.5 < slope < 2.0:
             continue
         for factor, problem, remedy in sorted(_looks(model, int(j)), key=lambda look: abs(slope / look[0] - 1.0)):
@@ -42,7 +42,7 @@ def check_encoders(model: FlexibleJointModel, data: Measured) -> None:
                 value = f"theta = {slope:.4g} q"
                 raise InputError(problem, file=data.name, key=f"theta.{joint}", value=value, remedy=remedy)
         for i in both:
-            other, alike = _line(data.q[:, i], data.theta[:, j])
+            other, alike = _regression_line(data.q[:, i], data.theta[:, j])
             if i != j and share < ENCODERS_ALIKE_SHARE and alike > 0.99 and 0.8 < abs(other) < 1.25:
                 there = model.joint_names[i]
                 problem = f"theta follows the q of {there}, and not that of its own joint"
@@ -71,7 +71,7 @@ def _looks(model: FlexibleJointModel, j: int) -> list[tuple[float, str, str]]:
     ]
 
 
-def _line(x: Array, y: Array) -> tuple[float, float]:
+def _regression_line(x: Array, y: Array) -> tuple[float, float]:
     """Slope of y over x, and their common share of variance."""
     dx, dy = x - x.mean(), y - y.mean()
     xx, yy, xy = float(dx @ dx), float(dy @ dy), float(dx @ dy)

@@ -18,10 +18,10 @@ def of_compliance(equations: Equations, j: int) -> Array:
     other position has an error of torque over K, whose acceleration loads the rotor or the links. The torque is that of
     the side that was measured; while a motor rests, its friction is unknown, and the torque is that of the link.
     """
-    return np.concatenate([_along(equations, each, j).ravel() for each in equations.motions])
+    return np.concatenate([_of_recording(equations, each, j).ravel() for each in equations.motions])
 
 
-def _along(equations: Equations, along: SmoothedMotion, j: int) -> Array:
+def _of_recording(equations: Equations, along: SmoothedMotion, j: int) -> Array:
     """The derivative for one recording (times, equations)."""
     model, filters = equations.true, equations.filters
     terms, J = joint_terms(model, model.all_effects, along, j), model.rotor_inertia[j]

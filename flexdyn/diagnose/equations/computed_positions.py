@@ -66,12 +66,12 @@ def computed_positions(
         rubbing = friction_of(model, j, "motor", smooth_theta[:, j], omega[:, j], t)
         given = smooth_tau[:, j] - model.rotor_inertia[j] * alpha[:, j] - rubbing
         carried = _carried(model, j, given, smooth_theta[:, j], omega[:, j], t)
-        smooth_q[:, j] -= _wound(model, j, rests.instead(j, total[:, j], carried) if rests else carried)
+        smooth_q[:, j] -= _wound_by_torque(model, j, rests.instead(j, total[:, j], carried) if rests else carried)
     if only_link.any():
         total = torques.of(links, smooth_q, v, a)
         for j in np.flatnonzero(only_link).tolist():
             rubbing = friction_of(model, j, "link", smooth_q[:, j], v[:, j], t)
-            smooth_theta[:, j] = smooth_q[:, j] + _wound(model, j, total[:, j] + rubbing)
+            smooth_theta[:, j] = smooth_q[:, j] + _wound_by_torque(model, j, total[:, j] + rubbing)
     return smooth_q, smooth_theta
 
 
@@ -91,7 +91,7 @@ def _carried(model: FlexibleJointModel, j: int, given: Array, theta: Array, omeg
     return np.where(kept > LEAST_TRANSMITTED, given / np.maximum(kept, LEAST_TRANSMITTED), given)
 
 
-def _wound(model: FlexibleJointModel, j: int, carried: Array) -> Array:
+def _wound_by_torque(model: FlexibleJointModel, j: int, carried: Array) -> Array:
     """Deflection (samples,) for a transmission torque (samples,), by Newton's method."""
     seen = carried / model.stiffness[j]
     for _ in range(STEEP_SPRING_ROUNDS if _springs(model, j) else 0):

@@ -114,7 +114,7 @@ def coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, d
     exact = not equations.computed.any()
     given = [passed_torque(equations, along, i) if exact else gain for i, gain in enumerate(equations.gains)]
     for row, (j, kind) in enumerate(equations.kinds):
-        own = _own(equations, along, j, kind)
+        own = _own_coefficients(equations, along, j, kind)
         unit = {LINK: equations.softness[j], MOTOR: equations.gains[j], TOTAL: equations.gains[j]}.get(kind, 1.0)
         for channel, order, value in (*own, *(_links(equations, along, M, j, kind) if kind in (LINK, TOTAL) else ())):
             if np.any(value):
@@ -135,7 +135,9 @@ def passed_torque(equations: Equations, along: SmoothedMotion, j: int) -> Coeffi
     return np.sqrt(np.maximum(equations.filters.rows(slope**2), 0.0))
 
 
-def _own(equations: Equations, along: SmoothedMotion, j: int, kind: str) -> Iterator[tuple[Channel, int, Coefficient]]:
+def _own_coefficients(
+    equations: Equations, along: SmoothedMotion, j: int, kind: str
+) -> Iterator[tuple[Channel, int, Coefficient]]:
     """Coefficients of a joint's torques, transmission and rotor in one of its equations."""
     model = equations.true
     K, D = model.stiffness[j], model.damping[j]

@@ -20,7 +20,7 @@ POWER_BLOCK = 0.025
 """Length of the blocks whose power is compared [s]."""
 LEAST_SHARE = 0.01
 """Places with a smaller share of the excess are left out [1]."""
-SIDES = {
+SIDE_OF_EQUATION = {
     "motor": "motor side",
     "link": "link side",
     "total": "motor and link together",
@@ -72,23 +72,26 @@ def _regime(equations: Equations, place: int, power: Array, seen: Flags) -> str:
         at = equations.filters.instants(len(along.t))
         width = max(1, round(POWER_BLOCK / (along.dt * equations.filters.every)))
         used = seen[first : first + len(at)].astype(float)
-        blocks.append(_averaged(power[first : first + len(at)], used, width))
+        blocks.append(_block_means(power[first : first + len(at)], used, width))
         columns.append(
-            [replace(e, values=_averaged(e.values[at], used, width)) for e in _quantities(equations, along, j, kind)]
+            [
+                replace(e, values=_block_means(e.values[at], used, width))
+                for e in _quantities_of_rests(equations, along, j, kind)
+            ]
         )
         first += len(at)
     joined = [replace(same[0], values=np.concatenate([e.values for e in same])) for same in zip(*columns, strict=True)]
     return regime(np.concatenate(blocks), joined)
 
 
-def _averaged(x: Array, used: Array, width: int) -> Array:
+def _block_means(x: Array, used: Array, width: int) -> Array:
     """Means over the used ones of so many neighbours (blocks,), of which at least half are used."""
     values, weight = (each[: len(x) // width * width].reshape(-1, width).sum(axis=1) for each in (x * used, used))
     kept = weight >= 0.5 * width
     return np.asarray(values[kept] / weight[kept])
 
 
-def _quantities(equations: Equations, along: SmoothedMotion, j: int, kind: str) -> Iterator[Quantity]:
+def _quantities_of_rests(equations: Equations, along: SmoothedMotion, j: int, kind: str) -> Iterator[Quantity]:
     """Quantities on which an equation's residual may depend, over the samples of a motion (samples,)."""
     model = equations.true
     angle, torque = model.robot.angle_unit(j), model.robot.torque_unit(j)
@@ -143,7 +146,10 @@ def traces(before: Equations, after: Equations, mask: Flags) -> tuple[ResidualTr
         joint = before.true.joint_names[j]
         angle = before.true.robot.angle_unit(joint)
         unit = f"residual torque [{before.true.robot.torque_unit(joint)}]"
-        title, unit = f"{joint}, {SIDES[kind]}", f"residual deflection [{angle}]" if kind == TRANSMISSION else unit
+        title, unit = (
+            f"{joint}, {SIDE_OF_EQUATION[kind]}",
+            f"residual deflection [{angle}]" if kind == TRANSMISSION else unit,
+        )
         link = kind in (LINK, SENSOR)
         clear = ~hidden[:, place]
         rows = len(places[0])

@@ -55,7 +55,7 @@ def match(model: FlexibleJointModel, links: LinkSide, data: Measured, *, springs
         data: the recording, on a uniform clock.
         springs: whether to remove the torque of a spring at the link from both as well.
     """
-    along = motion(links, _thinned(smoothed(model, links, _both(corrected(data, model)), _kernel(data.dt))))
+    along = motion(links, _every_few(smoothed(model, links, _both(corrected(data, model)), _kernel(data.dt))))
     torques = [_needed_and_friction(model, along, j, springs) for j in range(model.n)]
     gain, share, plain, says = np.array([_matched(*each) for each in torques]).T
     wound = np.array([np.ptp(needed) for _, needed, _ in torques]) / model.stiffness
@@ -119,7 +119,7 @@ def liveliest(data: Measured, seconds: float) -> Measured:
     return data.part(first, first + rows)
 
 
-def _thinned(signals: Smoothed) -> Smoothed:
+def _every_few(signals: Smoothed) -> Smoothed:
     """Every few samples; laws then act on the smoothed torque, since one that is held has every sample."""
     every = max(1, round(INSTANT_SPACING / signals.dt))
     columns: dict[str, Any] = {k: x[::every] for k, x in vars(signals).items() if isinstance(x, np.ndarray)}

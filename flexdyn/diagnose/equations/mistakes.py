@@ -103,7 +103,7 @@ def mistakes(model: FlexibleJointModel, seen: Match) -> Iterator[Mistake]:
     convincing = [j for j in range(n) if seen.share[j] >= needed_share(seen.gain[j])]
     units = {j: unit for j in convincing if (unit := torque_unit(model, j, float(seen.gain[j])))}
     if units:
-        yield _of_torques(model, units)
+        yield _torque_mistake(model, units)
     for i, k in itertools.combinations(range(n), 2):
         yield from _swaps(model, i, k)
     groups = [(j,) for j in range(n)] + ([tuple(range(n))] if n > 1 else [])
@@ -135,7 +135,7 @@ def _width(factor: float) -> float:
     return CHANNEL_GAIN_FACTOR if factor == -1.0 else UNIT_GAIN_FACTOR
 
 
-def _of_torques(model: FlexibleJointModel, units: dict[int, tuple[float, str, str]]) -> Mistake:
+def _torque_mistake(model: FlexibleJointModel, units: dict[int, tuple[float, str, str]]) -> Mistake:
     first, *others = sorted(units)
     also = "".join(f", tau.{model.joint_names[j]} too" for j in others)
     problem = f"the torque is not the one that the model needs: {units[first][1]}{also}"

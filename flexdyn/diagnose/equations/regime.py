@@ -62,7 +62,7 @@ def regime(power: Array, quantities: Sequence[Quantity]) -> str:
         if not scored or max(scored)[0] < NAMED_VARIANCE_SHARE:
             break
         best = left.pop(max(scored)[1])
-        found = _range(excess, best, inside)
+        found = _worst_range(excess, best, inside)
         if found is None:
             break
         words.append(found[0])
@@ -102,7 +102,7 @@ def _explained(level: Array, quantity: Quantity) -> float:
     return 1.0 - (1.0 - share) * (blocks - 1.0) / (blocks - used) if blocks > used else 0.0
 
 
-def _range(excess: Array, quantity: Quantity, inside: Flags) -> tuple[str, Flags] | None:
+def _worst_range(excess: Array, quantity: Quantity, inside: Flags) -> tuple[str, Flags] | None:
     """Consecutive bins with the largest excess for their time, in words and as blocks; None if it is small."""
     bins, edges = _bins(quantity), _edges(quantity)
     many = len(edges) + 1

@@ -87,7 +87,7 @@ def _check_motion(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
     signals, noise = _positions(data)
     for j, (joint, signal) in enumerate(zip(model.joint_names, signals, strict=True)):
         sigma = float(noise[signal == "theta"][j])
-        wide = max(_range(getattr(each, signal)[:, j], each.dt) for each in data)
+        wide = max(_range_of_motion(getattr(each, signal)[:, j], each.dt) for each in data)
         if wide <= MOVING_SIGMAS * sigma:
             remedy = f"move it, or lock it in the model (robot.lock: {{{joint}: ...}})"
             problem = "the joint does not move beyond its encoder's noise"
@@ -99,7 +99,7 @@ def _check_motion(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
         raise InputError(problem, file=data[0].name, key="t", value=f"{moving:.2g} s of motion", remedy=REMEDY)
 
 
-def _range(x: Array, dt: float) -> float:
+def _range_of_motion(x: Array, dt: float) -> float:
     """Range of a position (samples,), averaged over 20 ms to reduce noise."""
     width = min(max(1, round(0.02 / dt)), len(x))
     means = x[: len(x) // width * width].reshape(-1, width).mean(axis=1)

@@ -56,7 +56,7 @@ def with_experiment(found: Finding, named: Fit, rivals: Sequence[Fit]) -> Findin
         return found
     if not rehearsed:
         return found
-    names = _names(model, found)
+    names = _names_of_finding(model, found)
     chosen = _chosen(rehearsed)
     if chosen is None:
         return replace(found, experiment=_no_motion_helps(names, rehearsed))
@@ -148,7 +148,7 @@ def _chosen(rehearsed: Sequence[Rehearsal]) -> tuple[Rehearsal, int] | None:
     return max(near, key=lambda each: each[0].apart(each[1]))
 
 
-def _names(model: FlexibleJointModel, finding: Finding) -> list[str]:
+def _names_of_finding(model: FlexibleJointModel, finding: Finding) -> list[str]:
     """Names of the finding and its rivals, with their places if the same effect occurs twice."""
     suspects = (finding.suspect, *finding.rivals)
     plain = [suspect_phrase(model, each) if is_number(each) else effect_name(each.effect) for each in suspects]

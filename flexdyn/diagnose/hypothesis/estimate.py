@@ -46,7 +46,7 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
         if best.reached - best.chi2 < worth or little == LITTLE:
             break
         watched = share == 1.0 and ahead < WATCHDOG_STEPS
-        made = _stepped(base, share, math.inf if watched else best.reached)
+        made = _after_share(base, share, math.inf if watched else best.reached)
         if made is None:
             base, share = best, SHORTENED_STEP * share
             continue
@@ -72,7 +72,7 @@ def _begun(start: Hypothesis, space: Workspace) -> Fit:
     return linearised(held, space, None, back)
 
 
-def _stepped(base: Fit, share: float, most: float) -> Fit | None:
+def _after_share(base: Fit, share: float, most: float) -> Fit | None:
     """The problem after a share of a step; None, without computing slopes, if the residual exceeds a bound."""
     trial = moved(base.hypothesis, share * base.step, base.scales)
     try:

@@ -31,7 +31,7 @@ class Hypothesis:
         freed: numbers with a wide prior instead of their tolerance.
         effects: added effects.
         counts: offsets of the encoders of about a count, because rounding is unknown; not reported.
-        measured: parameters that are estimated although usually they are chosen from a few values.
+        fits_cycles: whether numbers of cycles are estimated, which usually are chosen from a few values.
     """
 
     given: FlexibleJointModel
@@ -39,7 +39,7 @@ class Hypothesis:
     freed: frozenset[FileNumber] = frozenset()
     effects: tuple[Effect, ...] = ()
     counts: tuple[SensorOffset, ...] = ()
-    measured: frozenset[str] = frozenset()
+    fits_cycles: bool = False
 
     def model(self) -> FlexibleJointModel:
         """The model of this hypothesis."""
@@ -63,7 +63,7 @@ class Hypothesis:
             (effect, entry.name)
             for effect in self.effects
             for entry in effect.parameters()
-            if (not entry.metadata["chosen"] or entry.name in self.measured)
+            if (not entry.metadata["chosen"] or (self.fits_cycles and entry.name == effect.cycles))
             and entry.name not in effect.unproposed
             and math.isfinite(getattr(effect, entry.name))
         ]
@@ -87,11 +87,11 @@ def moved(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hyp
 
 def bounded(effect: Effect, name: str, step: float) -> float:
     """A value after a step within its bound; a positive number is at most halved or tripled."""
-    entry = next(f for f in effect.parameters() if f.name == name)
-    value, lower = getattr(effect, name), entry.metadata["lower"]
-    if name == "harmonic":
+    declared = effect.declared(name)
+    value, lower = getattr(effect, name), declared["lower"]
+    if name == effect.cycles:
         return float(np.clip(value + step, max(1.0, 0.9 * value), 1.1 * value))
-    if entry.metadata["by_factor"] and value > lower == 0.0:
+    if declared["by_factor"] and value > lower == 0.0:
         return float(np.clip(value + step, value / 2.5, value * 2.5))
     return float(min(max(_landed(value + step, lower, step), lower), effect.largest(name)))
 

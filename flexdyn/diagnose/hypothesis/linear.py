@@ -157,12 +157,10 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) 
 
 def tangent_scale(effect: Effect, name: str) -> float:
     """Scale of a parameter for steps and columns."""
-    value = abs(getattr(effect, name))
-    if name in ("phase",):
-        return 1e-2
-    if name in ("rest", "lower", "upper"):
-        return 1e-3
-    return 0.01 * value if value > 0.0 else {"damping": 1e-3, "offset": 1e-4}.get(name, 1e-4)
+    value, declared = abs(getattr(effect, name)), effect.declared(name)
+    if declared["step"] is not None:
+        return float(declared["step"])
+    return 0.01 * value if value > 0.0 else float(declared["step_at_zero"])
 
 
 def priors(hypothesis: Hypothesis, space: Workspace) -> tuple[Array, Array]:

@@ -117,13 +117,13 @@ def own_effects(equations: Equations) -> tuple[list[Proposal], list[str]]:
         if kind.__module__.startswith("flexdyn."):
             continue
         try:
-            found += _everywhere(_checked(kind), equations)
+            found += _everywhere(_check_class(kind), equations)
         except InputError as error:
             notes.append(f"{kind.name}, an effect of your own, is not proposed: {error.problem}")
     return found, notes
 
 
-def _checked(kind: type[Effect]) -> type[JointEffect]:
+def _check_class(kind: type[Effect]) -> type[JointEffect]:
     """Check that a diagnosis can propose effects of a class.
 
     Raises:
@@ -160,11 +160,11 @@ def _proposal(kind: type[JointEffect], place: Mapping[str, str], equations: Equa
     law = Law(kind, place, equations, j)
     extent = extent_of(equations, j)
     grids = {entry.name: _values(entry, extent) for entry in kind.parameters()}
-    points = [dict(zip(grids, numbers, strict=True)) for numbers in _thinned(grids.values())]
+    points = [dict(zip(grids, numbers, strict=True)) for numbers in _thinned_grid(grids.values())]
     base = law.first_that_works(points)
     linear = law.linear_in(base)
     others = [name for name in grids if name not in linear]
-    grid = [p for p in _thinned([grids[name] for name in others]) if law.works(base | _by_name(others, p))]
+    grid = [p for p in _thinned_grid([grids[name] for name in others]) if law.works(base | _by_name(others, p))]
 
     def build(point: Point, x: Sequence[float]) -> Effect | None:
         try:
@@ -181,7 +181,7 @@ def _by_name(names: Sequence[str], numbers: Sequence[float]) -> dict[str, float]
     return dict(zip(names, numbers, strict=True))
 
 
-def _thinned(grids: Any) -> list[tuple[float, ...]]:
+def _thinned_grid(grids: Any) -> list[tuple[float, ...]]:
     """The product of grids; if it is large, evenly spaced points with the first one."""
     whole = list(itertools.product(*grids))
     return [whole[k] for k in np.unique(np.linspace(0, len(whole) - 1, min(MOST_GRID_POINTS, len(whole))).astype(int))]
@@ -192,7 +192,7 @@ def _values(entry: dataclasses.Field[Any], extent: MotionExtent) -> tuple[float,
     unit, lower, strict = (entry.metadata[key] for key in ("unit", "lower", "strict"))
     if entry.default is not dataclasses.MISSING and math.isfinite(entry.default) and entry.default != 0.0:
         values = [entry.default * factor for factor in AROUND]
-    elif entry.name == "phase":
+    elif entry.metadata["around"]:
         values = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False).tolist()
     elif unit in ("rad", "rad/s", "s"):
         size = {"rad": extent.span, "rad/s": extent.speed, "s": extent.seconds}[unit]

@@ -91,7 +91,7 @@ def _sensors(
         if getattr(data, f"has_{signal}")[j]:
             channel, seen = f"{signal}.{model.joint_names[j]}", dataclasses.replace(extent, signal=signal)
             for kind in kinds:
-                if (not kind.signals or signal in kind.signals) and (told or kind.periodic or signal == "tau_s"):
+                if (not kind.signals or signal in kind.signals) and (told or kind.cycles or signal == "tau_s"):
                     yield declared(kind, {"channel": channel}, seen)
 
 

@@ -99,7 +99,7 @@ def shares(space: Space, structure: Structure, overstated: Array | float = 0.0) 
         share = torque_share(space.candidates[c], space.matrix.size[mine], does)
         hidden = whole[there].sum() * (typical / share) ** 2 if share > 0.0 else 0.0
         left = max(float((weights * excess)[there].sum()), min(hidden, float((weights * below)[there].sum())))
-        found[c] = _own(space, structure, c, value, does) / max(left, 1e-9)
+        found[c] = _own_power(space, structure, c, value, does) / max(left, 1e-9)
     return found
 
 
@@ -127,7 +127,7 @@ def _typical(space: Space, excess: Array) -> float:
     return float(np.sqrt(np.mean(shares))) if shares else 0.0
 
 
-def _own(space: Space, structure: Structure, c: int, value: Mapping[int, float], does: Array) -> float:
+def _own_power(space: Space, structure: Structure, c: int, value: Mapping[int, float], does: Array) -> float:
     """Weighted squares of what some columns do that all others of a structure cannot, their priors included.
 
     ``min_b sum_k w_k |X_k does - Z_k b|^2 + b^T Lambda b``: a number that must leave its tolerance for it counts. Where

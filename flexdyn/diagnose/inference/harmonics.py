@@ -101,7 +101,7 @@ def with_harmonics(equations: Equations, known: list[Proposal], runs: Indices) -
 
 
 def _at(proposal: Proposal, harmonics: Mapping[str, list[float]]) -> Proposal:
-    if not registered()[proposal.place["effect"]].periodic:
+    if not registered()[proposal.place["effect"]].cycles:
         return proposal
     more = {(h,) for h in harmonics.get(proposal.joint, ())}
     return dataclasses.replace(proposal, grid=tuple(sorted({*proposal.grid, *more})))

@@ -163,14 +163,14 @@ def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
     """The fit with harmonics at whole numbers, of cycles or of motor turns, that it does not rule out."""
     std, changes = fitted.std(), {}
     for effect in fitted.hypothesis.effects:
-        spread = std.get((effect, "harmonic"))
+        spread = std.get((effect, effect.cycles))
         if spread is None:
             continue
         owner = next(each for each in space.candidates if each.proposal is not None and each.proposal.is_of(effect))
-        now = float(getattr(effect, "harmonic"))  # noqa: B009 - not every effect has one
+        now = float(getattr(effect, effect.cycles))
         for value in owner.natural(now):
             if value != now and (value - now) ** 2 < 2.0 * WHOLE_NUMBER_LOG_ODDS * spread**2:
-                changes[effect] = effect.replace(harmonic=value)
+                changes[effect] = effect.replace(**{effect.cycles: value})
                 break
     if not changes:
         return fitted

@@ -90,7 +90,7 @@ def best_where_not_linear(space: Space, best: Structure, base: Fit, stands: Stru
     gains = Scan(space).additions(stands)
     strong = [point for gain, point in gains if gain > STRONG_GAIN_SHARE * gains[0][0]]
     for structure in _with(space, stands, strong):
-        made = _fitted(space, structure, base, STEPS_OF_A_FIT)
+        made = _fit_of_structure(space, structure, base, STEPS_OF_A_FIT)
         if made is None or _lacks(space, made):
             continue
         value = log_posterior(space, structure, made)
@@ -135,11 +135,11 @@ def _with(space: Space, stands: Structure, added: Iterable[tuple[int, int]]) -> 
 
 def _by_fit(space: Space, structure: Structure, base: Fit, steps: int) -> float:
     """Log posterior of a structure, fitted in some steps."""
-    made = _fitted(space, structure, base, steps)
+    made = _fit_of_structure(space, structure, base, steps)
     return -math.inf if made is None else log_posterior(space, structure, made)
 
 
-def _fitted(space: Space, structure: Structure, base: Fit, steps: int) -> Fit | None:
+def _fit_of_structure(space: Space, structure: Structure, base: Fit, steps: int) -> Fit | None:
     """The fit of a structure; None: its numbers by the linear equations are no model."""
     try:
         return fit(hypothesis_of(space, structure, whole=True), base.space, steps=steps)

@@ -85,7 +85,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
     """
     own = everything(bare.equations)
     mask = sign_mask(bare.equations, noise)
-    start = dataclasses.replace(start, measured=frozenset({"harmonic"}))
+    start = dataclasses.replace(start, fits_cycles=True)
     here = _in_tolerance(_numbers_alone(bare, noise, mask, start), start)
     first: Library | None = None
     compared: list[Places] = []
@@ -97,7 +97,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         first = first or space.library
         know(space=space)
         stands = standing(space)
-        best = _compared(space, stands)
+        best = _best_here(space, stands)
         if bare.equations.simulated or (bare.equations.computed.any() and best != stands):
             chosen = best_by_fits if bare.equations.simulated else best_where_not_linear
             best = chosen(space, best, near.fitted(hypothesis_of(space, stands), PASS_STEPS), stands)
@@ -146,7 +146,7 @@ def _in_tolerance(fitted: Hypothesis, start: Hypothesis) -> Hypothesis:
     return fitted if fitted.tolerated().factors == fitted.factors else start
 
 
-def _compared(space: Space, stands: Structure) -> Structure:
+def _best_here(space: Space, stands: Structure) -> Structure:
     """The best structure at a linearisation, under the model error that it leaves."""
     space.under(_no_model_error(space))
     space.under(ModelError.of(space.left(stands), space.seen))

@@ -24,13 +24,13 @@ def refined(space: Space, structure: Structure) -> Structure:
             if candidate.choices > 1 and candidate.proposal is not None:
                 axes += len(candidate.points[0])
                 for axis in range(len(candidate.points[0])):
-                    here = _along(space, here, c, axis)
+                    here = _best_along(space, here, c, axis)
         if axes < 2 or space.value(here) - before < NEGLIGIBLE_GAIN:
             break
     return here
 
 
-def _along(space: Space, here: Structure, c: int, axis: int) -> Structure:
+def _best_along(space: Space, here: Structure, c: int, axis: int) -> Structure:
     """The best point along one parameter: steps between the neighbours that the grid has, halved, and parabolas."""
     line = _Line(space, here, c, axis)
     if line.low == line.high:
@@ -70,7 +70,7 @@ class _Line:
         self.centre = self.point[axis]
         grid = [point[axis] for point in self.candidate.points[: self.candidate.choices]]
         low, self.high = _bracket(grid, self.centre)
-        self.low = max(low, 1.0) if self.candidate.law.periodic else low
+        self.low = max(low, 1.0) if self.candidate.law.cycles else low
         self.tried = {self.centre: (space.value(here), here)}
 
     @property
@@ -98,7 +98,7 @@ class _Line:
     def natural(self) -> Structure:
         """The structure at the best value, those of harmonics that are natural among them."""
         best = self.best
-        for x in self.candidate.natural(best) if self.candidate.law.periodic else ():
+        for x in self.candidate.natural(best) if self.candidate.law.cycles else ():
             self.ask(x, outside=True)
         return self.tried[self.best][1]
 

@@ -21,7 +21,7 @@ def among_rivals(space: Space, best: Structure) -> Structure:
         The most likely structure.
     """
     for c, p in sorted(best):
-        _grow_alike(space, space.candidates[c], _numbers(space.candidates[c], p))
+        _grow_alike(space, space.candidates[c], _nonlinear_numbers(space.candidates[c], p))
     scan = Scan(space)
     for each in sorted(best):
         rest = best - {each}
@@ -52,7 +52,7 @@ def _evenly(space: Space, best: Structure) -> None:
         space.value(best - frozenset(pair))
 
 
-def _numbers(candidate: Candidate, p: int) -> Point:
+def _nonlinear_numbers(candidate: Candidate, p: int) -> Point:
     """Nonlinear parameters of a candidate, wherever they come from."""
     if candidate.stands is None or candidate.proposal is None:
         return candidate.points[p]

@@ -126,7 +126,7 @@ class Sizes:
         j = self.equations.true.index(place.get("joint") or joint)
         steps = {each: float(np.sqrt(12.0) * of[j]) for each, of in (("q", self.noise.q), ("theta", self.noise.theta))}
         own = {signal: steps[signal]} if signal in steps else steps
-        if not kind.periodic:
+        if not kind.cycles:
             return max(own.values())
         passed = {each: max(self._passed(each, j, step), 1.0) for each, step in own.items()}
         return max(step * min(1.0, 2.0 / math.sqrt(passed[each])) for each, step in own.items())

@@ -95,7 +95,8 @@ def standing_columns(
     parts, size, mean, std, names = [change], [share], [1.0], [FITTED_SIZE_WIDTH], []
     for each, name in maker.start.unknowns():
         if each is not effect or (
-            name == "harmonic" and getattr(effect, name) in natural(getattr(effect, name), maker.gear_ratio(proposal))
+            name == effect.cycles
+            and getattr(effect, name) in natural(getattr(effect, name), maker.gear_ratio(proposal))
         ):
             continue
         scale = tangent_scale(effect, name)

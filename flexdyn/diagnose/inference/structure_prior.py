@@ -35,7 +35,7 @@ def log_places(chosen: Counter[str], places: Counter[str]) -> float:
 
 def log_harmonic(candidate: Candidate, p: int) -> float:
     """Log prior of a grid point that is a harmonic, if it is one; of an effect that stands nothing is asked."""
-    if not candidate.law.periodic or candidate.stands is not None:
+    if not candidate.law.cycles or candidate.stands is not None:
         return 0.0
     harmonic = candidate.points[p][0]
     return 0.0 if harmonic in candidate.natural(harmonic) else -WHOLE_NUMBER_LOG_ODDS

@@ -24,15 +24,17 @@ def document(diagnosis: Diagnosis) -> dict[str, Any]:
         "schema": SCHEMA,
         "verdict": diagnosis.verdict,
         "stopped_at": diagnosis.stopped_at or None,
-        "findings": [_finding(entry) for entry in diagnosis.findings],
-        "calibration": [{**vars(e), "estimate": _number(estimate(diagnosis.model, e))} for e in diagnosis.calibration],
+        "findings": [_finding_entry(entry) for entry in diagnosis.findings],
+        "calibration": [
+            {**vars(e), "estimate": _number_entry(estimate(diagnosis.model, e))} for e in diagnosis.calibration
+        ],
         "gap": {"fit": _fields(diagnosis.gap_fit), "test": _fields(diagnosis.gap_test)},
-        "errors": {joint: _error(entry) for joint, entry in diagnosis.errors.items()},
+        "errors": {joint: _error_entry(entry) for joint, entry in diagnosis.errors.items()},
         "where": [_fields(entry) for entry in diagnosis.where],
         "left": [_fields(entry) for entry in diagnosis.left],
         "structures": [{**vars(each), "effects": [*map(_suspect, each.effects)]} for each in diagnosis.structures],
-        "considered": [_considered(entry) for entry in diagnosis.considered[:CONSIDERED]],
-        "data": [_span(entry) for entry in diagnosis.data],
+        "considered": [_considered_entry(entry) for entry in diagnosis.considered[:CONSIDERED]],
+        "data": [_span_entry(entry) for entry in diagnosis.data],
         "notes": [*told, *diagnosis.notes],
         "seconds": diagnosis.seconds,
         "record": _fields(diagnosis.record),
@@ -46,12 +48,12 @@ def _fields(entry: Any) -> dict[str, Any] | None:
     return None if entry is None else thawed(asdict(entry))
 
 
-def _span(entry: RecordingSpan) -> dict[str, Any]:
+def _span_entry(entry: RecordingSpan) -> dict[str, Any]:
     whole = thawed(asdict(entry))
     return {"from": whole.pop("start"), "to": whole.pop("end"), **whole}
 
 
-def _finding(entry: Finding) -> dict[str, Any]:
+def _finding_entry(entry: Finding) -> dict[str, Any]:
     return {
         **_suspect(entry.suspect),
         "probability": entry.probability,
@@ -61,21 +63,21 @@ def _finding(entry: Finding) -> dict[str, Any]:
     }
 
 
-def _considered(entry: Considered) -> dict[str, Any]:
+def _considered_entry(entry: Considered) -> dict[str, Any]:
     return _suspect(entry.suspect) | {key: value for key, value in vars(entry).items() if key != "suspect"}
 
 
-def _number(number: Number) -> dict[str, Any]:
+def _number_entry(number: Number) -> dict[str, Any]:
     return {"value": number.value, "std": number.std, "interval": list(number.interval), "unit": number.unit}
 
 
 def _suspect(entry: Suspect) -> dict[str, Any]:
-    numbers = {name: _number(number) for name, number in entry.parameters.items()}
+    numbers = {name: _number_entry(number) for name, number in entry.parameters.items()}
     return {"effect": entry.effect, "joint": entry.joint, "side": entry.side, **entry.place, "parameters": numbers}
 
 
-def _error(entry: JointError) -> dict[str, Any]:
-    signals = {name: _signal(getattr(entry, name)) for name in ("torque", "position", "force")}
+def _error_entry(entry: JointError) -> dict[str, Any]:
+    signals = {name: _signal_entry(getattr(entry, name)) for name in ("torque", "position", "force")}
     return {**signals, "gap": dict(zip(("before", "calibrated", "after"), entry.gap, strict=False)) or None}
 
 
@@ -83,7 +85,7 @@ def _statistics(entry: Statistics) -> dict[str, Any]:
     return {**vars(entry), "correlations": [{"of": pair, "value": value} for *pair, value in entry.correlations]}
 
 
-def _signal(entry: SignalError | None) -> dict[str, Any] | None:
+def _signal_entry(entry: SignalError | None) -> dict[str, Any] | None:
     if entry is None:
         return None
     shares = ("share_before", "share_after") if entry.size else ()

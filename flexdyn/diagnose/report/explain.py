@@ -17,7 +17,7 @@ from flexdyn.errors import InputError, did_you_mean
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 KEY = "explain"
-SIDES = ("link", "motor", "transmission", "sensor")
+SIDE_NAMES = ("link", "motor", "transmission", "sensor")
 
 
 def explanation(diagnosis: Diagnosis, target: str) -> str:
@@ -90,7 +90,7 @@ def resolved(diagnosis: Diagnosis, target: str) -> list[Suspect]:
         InputError: no such effect, or no such place.
     """
     known = known_suspects(diagnosis)
-    found = [each for each in known if target in _names(each)]
+    found = [each for each in known if target in _answers_to(each)]
     if found:
         return found
     check_target(diagnosis.model, target)
@@ -115,11 +115,13 @@ def check_target(model: FlexibleJointModel, target: str) -> None:
         where = where.removesuffix(".sensor").partition(".")[2]
     elif any(field.name == "frame" for field in dataclasses.fields(catalogue()[effect])):  # type: ignore[arg-type]
         places += model.robot.frame_names
-    if where not in places and not any(where == f"{joint}.{side}" for joint in model.joint_names for side in SIDES):
+    if where not in places and not any(
+        where == f"{joint}.{side}" for joint in model.joint_names for side in SIDE_NAMES
+    ):
         raise InputError("no such place", key=KEY, value=target, remedy=did_you_mean(where, places))
 
 
-def _names(suspect: Suspect) -> set[str]:
+def _answers_to(suspect: Suspect) -> set[str]:
     """All that a suspect answers to: its effect alone, its target, its target with side, frame or other joint."""
     target = target_of(suspect)
     names = {suspect.effect, target}

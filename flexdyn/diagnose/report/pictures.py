@@ -115,7 +115,7 @@ def controls(diagnosis: Diagnosis) -> dict[str, Any]:
     ordered = sorted(given, key=lambda each: -shares.get(each.joint, 0.0))
     return {
         "joints": [(name, name) for name in dict.fromkeys(each.joint for each in ordered)],
-        "spans": list({_span(each): _span_text(each) for each in given}.items()),
+        "spans": list({_span_key(each): _span_text(each) for each in given}.items()),
         "lengths": [(f"{x:g}", f"{x:g} s") for x in DRAWN_WINDOW_LENGTHS if x < longest] + [("all", "all of it")],
         "length": f"{FIRST_LENGTH:g}" if longest > FIRST_LENGTH else "all",
     }
@@ -124,7 +124,7 @@ def controls(diagnosis: Diagnosis) -> dict[str, Any]:
 def motion_figures(diagnosis: Diagnosis) -> list[dict[str, Any]]:
     """What the page's script draws, a figure for every joint and span."""
     given = diagnosis.trajectories
-    spans = max(1, len({_span(each) for each in given}))
+    spans = max(1, len({_span_key(each) for each in given}))
     return [_figure(each.thinned(max(600, MOST_TRAJECTORY_POINTS // spans))) for each in given]
 
 
@@ -132,11 +132,11 @@ def _figure(trajectory: Trajectory) -> dict[str, Any]:
     """Position and torque over one time: of each the time, what was measured, and the errors of the models."""
     curves = [each for each in (trajectory.position, trajectory.torque) if each is not None]
     columns = [c for each in curves for c in (packed(each.t, CLOCK), *map(packed, (each.measured, *each.errors)))]
-    place = {"joint": trajectory.joint, "span": _span(trajectory), "reach": _reach(trajectory)}
+    place = {"joint": trajectory.joint, "span": _span_key(trajectory), "reach": _reach(trajectory)}
     return {"kind": "motion", **place, "columns": columns, "titles": [each.label for each in curves]}
 
 
-def _span(each: Trajectory) -> str:
+def _span_key(each: Trajectory) -> str:
     return f"{each.role} {each.file} {each.torque.t[0]:.6g}"
 
 

@@ -13,14 +13,14 @@ from flexdyn.effects.model_error import effect_place
 from flexdyn.effects.traits import article
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-SIDES = {
+SIDE_WORDS = {
     "link": "on the link side of",
     "motor": "on the motor side of",
     "sensor": "at the torque sensor of",
     "transmission": "in the transmission of",
     "total": "on motor and link of",
 }
-SIGNALS = {"q": "{}", "theta": "{}", "v": "{}/s", "omega": "{}/s"}
+UNIT_OF_SIGNAL = {"q": "{}", "theta": "{}", "v": "{}/s", "omega": "{}/s"}
 """Units of a channel by its signal, of the joint's angle or length; of all others see `channel_unit`."""
 
 
@@ -35,10 +35,18 @@ def finding_phrase(model: FlexibleJointModel, finding: Finding, *, each: bool = 
     several = each and bool(finding.rivals)
     here = where_phrase(model, finding.suspect)
     alike = in_one_place(model, finding)
-    others = [f"{suspect_phrase(model, rival)}{_own(rival, several)}" for rival in finding.rivals if rival not in alike]
+    others = [
+        f"{suspect_phrase(model, rival)}{_own_probability(rival, several)}"
+        for rival in finding.rivals
+        if rival not in alike
+    ]
     if not alike:
-        return ", or ".join([f"{suspect_phrase(model, finding.suspect)}{_own(finding.suspect, several)}", *others])
-    names = " or ".join(f"{effect_name(one.effect)}{_own(one, several)}" for one in (finding.suspect, *alike))
+        return ", or ".join(
+            [f"{suspect_phrase(model, finding.suspect)}{_own_probability(finding.suspect, several)}", *others]
+        )
+    names = " or ".join(
+        f"{effect_name(one.effect)}{_own_probability(one, several)}" for one in (finding.suspect, *alike)
+    )
     return ", or ".join([f"{article(effect_name(finding.suspect.effect))}{names} {here}".strip(), *others])
 
 
@@ -124,7 +132,7 @@ def where_phrase(model: FlexibleJointModel, suspect: Suspect) -> str:
 
 def place_phrase(joint: str, side: str | None) -> str:
     """``on the motor side of elbow``."""
-    return f"{SIDES.get(side or '', 'on')} {joint}"
+    return f"{SIDE_WORDS.get(side or '', 'on')} {joint}"
 
 
 def number_phrase(model: FlexibleJointModel, of: str, parameter: str) -> str:
@@ -144,8 +152,8 @@ def channel_unit(model: FlexibleJointModel, channel: str) -> str:
     signal, _, joint = channel.partition(".")
     if joint not in model.joint_names:
         return ""
-    if signal in SIGNALS:
-        return SIGNALS[signal].format(model.robot.angle_unit(joint))
+    if signal in UNIT_OF_SIGNAL:
+        return UNIT_OF_SIGNAL[signal].format(model.robot.angle_unit(joint))
     return model.robot.torque_unit(joint) if signal.startswith("tau") else ""
 
 
@@ -154,7 +162,7 @@ def noise_lines(model: FlexibleJointModel, span: RecordingSpan) -> list[str]:
     return [f"{name} {rounded(level, 2)} {channel_unit(model, name)}".strip() for name, level in span.noise.items()]
 
 
-def _own(suspect: Suspect, told: bool) -> str:
+def _own_probability(suspect: Suspect, told: bool) -> str:
     """A name's own probability, in brackets."""
     if not told or math.isnan(suspect.probability):
         return ""

@@ -87,7 +87,7 @@ def corrected_files(model: FlexibleJointModel, folder: Path) -> dict[str, str]:
     """
     model, links = _links_folded(model)
     of_urdf = [effect for effect in model.effects if _is_of_urdf(effect)]
-    true = model.replace(effects=_without(model, of_urdf)).resolved()
+    true = model.replace(effects=_without_errors(model, of_urdf)).resolved()
     kept = [effect for effect in true.effects if not is_number_error(effect)]
     content = model_to_dict(true.replace(effects=kept, tolerance=_tolerance(model)), folder)
     if links:
@@ -109,10 +109,10 @@ def _links_folded(model: FlexibleJointModel) -> tuple[FlexibleJointModel, dict[s
     errors = [e for e in model.effects if is_number_error(e) and e.of in model.links and e.parameter == "link_inertia"]
     factors = {link: number["inertia"] for link, number in factors_of(errors, {"link_inertia": "inertia"}).items()}
     true = {link: {"inertia": factors.get(link, 1.0) * number.value} for link, number in model.links.items()}
-    return model.replace(effects=_without(model, errors), links=None), true
+    return model.replace(effects=_without_errors(model, errors), links=None), true
 
 
-def _without(model: FlexibleJointModel, errors: Sequence[Effect]) -> list[Effect]:
+def _without_errors(model: FlexibleJointModel, errors: Sequence[Effect]) -> list[Effect]:
     """Effects of a model in which these errors are none, in their places."""
     return [effect.replace(factor=1.0) if effect in errors else effect for effect in model.effects]
 

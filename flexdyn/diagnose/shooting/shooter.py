@@ -79,8 +79,8 @@ class Shooter:
         models = [at_time(self.model, begin) for begin in self.begins] if timed else [self.model]
         plants = [build_plant(each) for each in models]
         self.plants = plants if timed else plants * count
-        self._held = _torques(model.resolved(), windows, extra)
-        self.signals = [_signal(*each) for each in self._held]
+        self._held = _torques_of_windows(model.resolved(), windows, extra)
+        self.signals = [_held_signal(*each) for each in self._held]
 
     @property
     def size(self) -> int:
@@ -208,7 +208,7 @@ def _simulated(jobs: Sequence[_core.Job], q: Array, *, python: bool) -> NDArray[
     return np.where(finite.all(axis=1), np.int64(q.shape[1]), finite.argmin(axis=1)).astype(np.int64)
 
 
-def _torques(model: FlexibleJointModel, windows: Windows, extra: Array | None) -> list[tuple[Array, Array]]:
+def _torques_of_windows(model: FlexibleJointModel, windows: Windows, extra: Array | None) -> list[tuple[Array, Array]]:
     """Breaks from the window's start [s] and the torques held between them, of every window."""
     names, shifts = model.joint_names, _shifts(model)
     effects = [sensors(model, f"tau.{joint}") for joint in names]
@@ -252,6 +252,6 @@ def _held(t: Array, tau: Array, shifts: Array, row: int, rows: int) -> tuple[Arr
     return breaks - begin, values
 
 
-def _signal(breaks: Array, values: Array) -> _core.Signal:
+def _held_signal(breaks: Array, values: Array) -> _core.Signal:
     coef = np.ascontiguousarray(values[:-1, None, :])
     return _core.signal(np.ascontiguousarray(breaks), coef, np.ascontiguousarray(values[-1]))

@@ -124,12 +124,14 @@ def _undecided(shooter: Shooter, motion: SimulatedWindows, B: Array) -> Array:
     found = np.zeros((*motion.x.shape[:2], half))
     for place in dry_velocities(shooter.model):
         speed, spread_ = np.abs(motion.x[:, :, half + place]), np.sqrt(kick[:, :, half + place])
-        near = _around(speed == 0.0) & _around(speed > 0.0) | (speed > 0.0) & (speed < SLOW_CONTACT_RATIO * spread_)
+        near = _near_flagged(speed == 0.0) & _near_flagged(speed > 0.0) | (speed > 0.0) & (
+            speed < SLOW_CONTACT_RATIO * spread_
+        )
         found[:, :, place] = np.where(near, spread_**2, 0.0)
     return found
 
 
-def _around(flags: Flags) -> Flags:
+def _near_flagged(flags: Flags) -> Flags:
     """Whether a block is within two blocks of one with the flag."""
     padded = np.pad(flags, ((0, 0), (2, 2)))
     return np.asarray(np.logical_or.reduce([padded[:, k : k + flags.shape[1]] for k in range(5)]))

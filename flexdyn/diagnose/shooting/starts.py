@@ -60,11 +60,11 @@ def first_states(shooter: Shooter) -> Starts:
     the noise start with velocity 0, to the last bit. Internal states follow the measured path up to the start.
     """
     windows, model = shooter.windows, shooter.model
-    found = {name: _around(shooter, name) for name in windows.channels}
+    found = {name: _at_starts(shooter, name) for name in windows.channels}
     nothing = np.tile(UNMEASURED, (len(windows), 1))
 
     def side(own: str, other: str) -> Array:
-        """Columns of `_around` of one side of all joints (6, windows, n): as measured there, else on the other."""
+        """Columns of `_at_starts` of one side of all joints (6, windows, n): as measured there, else on the other."""
         both = ([f"{signal}.{joint}" for signal in (own, other)] for joint in model.joint_names)
         tables = [next((found[name] for name in names if name in found), nothing) for names in both]
         return np.array(tables).transpose(2, 1, 0).copy()
@@ -73,7 +73,7 @@ def first_states(shooter: Shooter) -> Starts:
     theta, omega, _, theta_std, omega_std, rotor_rests = side("theta", "q")
     rests = (link_rests > 0) & (rotor_rests > 0)
     both = np.array([f"q.{joint}" in found and f"theta.{joint}" in found for joint in model.joint_names])
-    delta = _wound(shooter, np.where(both, 0.5 * (q + theta), q), v, bend)
+    delta = _wound_at_starts(shooter, np.where(both, 0.5 * (q + theta), q), v, bend)
     sides: list[tuple[int, Array]] = []
     for j, joint in enumerate(model.joint_names):
         if both[j] or not model.elastic[j]:
@@ -107,7 +107,7 @@ def _shifted(x: Array, place: int, by: Array) -> Array:
     return x
 
 
-def _around(shooter: Shooter, name: str) -> Array:
+def _at_starts(shooter: Shooter, name: str) -> Array:
     """One channel at every start (windows, 6): value, two derivatives, errors of value and rate, whether it rests."""
     windows = shooter.windows
     noise = windows.sensor_noise[windows.channels.index(name)]
@@ -163,7 +163,7 @@ def _resting(x: Array, rows: NDArray[np.int64], half: int, noise: float) -> Arra
     return np.asarray(still, dtype=float)
 
 
-def _wound(shooter: Shooter, q: Array, v: Array, bend: Array) -> Array:
+def _wound_at_starts(shooter: Shooter, q: Array, v: Array, bend: Array) -> Array:
     """Deflection (windows, n) at which the model's links have the measured acceleration."""
     model, elastic = shooter.model, shooter.elastic
     delta = np.zeros_like(q)

@@ -61,7 +61,7 @@ class Filter(PerWindow):
         count, blocks, nx, _ = flow.shape
         counted = used[which, :: windows.block].astype(float)
         sensor = windows.sensor_noise**2
-        R = np.where(counted > 0, sensor / _averaged(windows, which), 1.0)
+        R = np.where(counted > 0, sensor / _independent_samples(windows, which), 1.0)
         channels = len(sensor)
         gain, first_gain = np.empty((count, blocks, nx, channels)), np.empty((count, blocks, nx, channels))
         whitener = np.empty((count, blocks, channels, channels))
@@ -114,7 +114,7 @@ class Filter(PerWindow):
         return np.asarray(((blocks**2).sum(axis=2) / self.variance * self.counted).sum(axis=(1, 2)))
 
 
-def _averaged(windows: Windows, which: Indices) -> Array:
+def _independent_samples(windows: Windows, which: Indices) -> Array:
     """Independent samples in every block (windows, blocks, channels): an encoder that rests repeats its error."""
     samples = windows.measured[which].reshape(len(which), windows.blocks, windows.block, -1)
     moves = (samples != samples[:, :, :1]).any(axis=2)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.lazy import lazy
+from flexdyn.effects.sensor import POSITIONS
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
@@ -27,7 +28,6 @@ WINDOW_GAP_STEPS = 1.5
 """A time step longer than this multiple of the usual one is a gap [1]."""
 LEAST_NOISE = 1e-12
 """Least standard deviation of a sensor [rad or m]: residuals are divided by it."""
-POSITIONS = ("q", "theta")
 
 
 @dataclass(frozen=True, eq=False)

@@ -116,7 +116,7 @@ def fit_to_windows(start: WindowFit) -> WindowFit:
     best, J = start, slopes(start.made.hypothesis, start.shot, _scales(start.made.hypothesis))
     for _ in range(WINDOW_FIT_STEPS):
         problem = _problem(best, J)
-        after = _stepped(best, problem)
+        after = _better_step(best, problem)
         if after is None:
             return dataclasses.replace(best, made=dataclasses.replace(problem, stationary=True))
         gained, best = after.log_posterior - best.log_posterior, after
@@ -144,7 +144,7 @@ def _problem(here: WindowFit, J: Array) -> Fit:
     return within_bounds(Fit(hypothesis, at, regression, space, _scales(hypothesis), block=white.shape[1]))
 
 
-def _stepped(here: WindowFit, problem: Fit) -> WindowFit | None:
+def _better_step(here: WindowFit, problem: Fit) -> WindowFit | None:
     """After the first share of the step that is better; None: there is none."""
     for share in STEP_SHARES:
         hypothesis = moved(problem.hypothesis, share * problem.step, problem.scales)

@@ -88,13 +88,13 @@ def serve(module: str) -> None:
     for line in sys.stdin.buffer:
         child = os.fork()
         if not child:
-            _read(reader, json.loads(line))
+            _answer(reader, json.loads(line))
         _, status = os.waitpid(child, 0)
         if status:
             os._exit(SIGNALLED + os.WTERMSIG(status) if os.WIFSIGNALED(status) else 1)
 
 
-def _read(reader: Any, task: Any) -> None:
+def _answer(reader: Any, task: Any) -> None:
     """Answer one task, and end the process."""
     code = 1
     try:

@@ -120,7 +120,7 @@ def with_times(time: TimeSource, raw: npt.NDArray[Any], stated: Mapping[str, str
         InputError: contradictory units, units that are no times, or integers that doubles cannot represent.
     """
     name = column_name(time.source)
-    unit = UNITS[_unit(time, stated.get(name, ""))]
+    unit = UNITS[_time_unit(time, stated.get(name, ""))]
     if raw.dtype.kind in "iu" and raw.ndim == 1 and len(raw) and int(abs(raw.astype(np.float64)).max()) > _EXACT:
         if time.start != "zero":
             remedy = "give start: zero"
@@ -165,7 +165,7 @@ def clocked(time: TimeSource, t: Array) -> Array:
     return t + time.shift if time.shift else t
 
 
-def _unit(time: TimeSource, stated: str | None) -> str:
+def _time_unit(time: TimeSource, stated: str | None) -> str:
     """The valid unit: the map's, else the file's, else s."""
     unit = valid_unit(time.unit, stated, "time.unit") or "s"
     if time.unit is None and (stated is None or UNITS.get(unit, UNITS["m"]).quantity != "time"):

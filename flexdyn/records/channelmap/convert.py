@@ -59,7 +59,7 @@ def conversion(channel: Channel, stated: str | None) -> Conversion:
         problem = "the file states the column's unit in a way that is not read"
         raise InputError(problem, key=_key(channel, "unit"), value=channel.source, remedy="state it here")
     name = valid_unit(channel.unit, stated, _key(channel, "unit"))
-    unit = _unit(channel, name)
+    unit = _channel_unit(channel, name)
     label = SI[unit.quantity] if unit.quantity else "" if channel.factor is not None else name
     numerator, denominator = channel.sign * unit.numerator, unit.denominator
     if name.partition("/")[0] == "counts" and channel.factor is None and channel.full_counts is None:
@@ -102,7 +102,7 @@ def valid_unit(given: str | None, stated: str | None, key: str) -> str:
     return unit or found
 
 
-def _unit(channel: Channel, name: str) -> Unit:
+def _channel_unit(channel: Channel, name: str) -> Unit:
     """The unit of a channel, by name, factor or full scale; refuses one that does not fit the channel's signal."""
     if channel.full_counts is not None or channel.full_scale is not None:
         return _converter(channel, name)
@@ -114,10 +114,10 @@ def _unit(channel: Channel, name: str) -> Unit:
             key, remedy = _key(channel, "factor"), "leave one of them out"
             raise InputError("factor and unit both give the scale", key=key, value=name, remedy=remedy)
         return Unit("", channel.factor)
-    return _named(channel, name)
+    return _unit_named(channel, name)
 
 
-def _named(channel: Channel, name: str) -> Unit:
+def _unit_named(channel: Channel, name: str) -> Unit:
     """A unit by its name; SI if it has none."""
     signal, unit = channel.signal, UNITS.get(name)
     fitting = _fitting(signal) if signal else tuple(SI)
@@ -137,7 +137,7 @@ def _converter(channel: Channel, name: str) -> Unit:
         problem, key = "full_counts gives the scale already", _key(channel, "full_counts")
         raise InputError(problem, key=key, remedy="leave factor out; the offset may stay")
     counts = _needed(channel, "full_counts", "full_scale")
-    of_scale = _named(channel, "" if name == "counts" else name)
+    of_scale = _unit_named(channel, "" if name == "counts" else name)
     plain_duty = channel.signal == "duty" and not of_scale.quantity
     most = 1.0 if plain_duty else _needed(channel, "full_scale", "full_counts")
     return Unit(of_scale.quantity, most * of_scale.numerator, counts * of_scale.denominator, of_scale.zero)

@@ -90,7 +90,7 @@ def map_from_dict(content: Mapping[str, Any]) -> ChannelMap:
     check_format(content, "flexdyn_map", MAP_FORMAT, TOP_KEYS)
     entry = {key: value for key, value in content.items() if value is not None}
     keep = as_choice("others", entry.get("others", "drop"), ("drop", "keep")) == "keep"
-    channels, prismatic = _channels(entry.get("channels", {}), entry.get("joints", {}))
+    channels, prismatic = _map_channels(entry.get("channels", {}), entry.get("joints", {}))
     if not channels and not keep:
         raise InputError("no channels", key="channels", remedy="name one as q.elbow: COLUMN, or give others: keep")
     made = ChannelMap(
@@ -118,7 +118,7 @@ def _check_numbered(made: ChannelMap) -> None:
             raise InputError("a column by number does not go with others: keep", key=key, value=source, remedy=remedy)
 
 
-def _channels(entries: Any, joints: Any) -> tuple[tuple[Channel, ...], tuple[str, ...]]:
+def _map_channels(entries: Any, joints: Any) -> tuple[tuple[Channel, ...], tuple[str, ...]]:
     """Channels with the numbers of their joints, and the joints that are declared prismatic."""
     check_keys(entries, list(entries) if isinstance(entries, Mapping) else (), key="channels")
     for name in entries:
@@ -126,7 +126,9 @@ def _channels(entries: Any, joints: Any) -> tuple[tuple[Channel, ...], tuple[str
     known = tuple(dict.fromkeys(name.partition(".")[2] for name in entries if "." in name))
     check_keys(joints, known, key="joints")
     shared = {joint: _joint(joint, numbers) for joint, numbers in joints.items()}
-    channels = tuple(_channel(name, entry, shared.get(name.partition(".")[2], {})) for name, entry in entries.items())
+    channels = tuple(
+        _map_channel(name, entry, shared.get(name.partition(".")[2], {})) for name, entry in entries.items()
+    )
     return channels, tuple(joint for joint, numbers in shared.items() if numbers.get("prismatic"))
 
 
@@ -182,7 +184,7 @@ def _joint(joint: str, numbers: Any) -> dict[str, Any]:
     return given
 
 
-def _channel(name: str, entry: Any, shared: Mapping[str, Any]) -> Channel:
+def _map_channel(name: str, entry: Any, shared: Mapping[str, Any]) -> Channel:
     """A channel of a map, with the numbers that its joint shares."""
     key = f"channels.{name}"
     if not isinstance(entry, Mapping):

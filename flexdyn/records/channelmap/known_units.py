@@ -73,7 +73,7 @@ def _known_units() -> dict[str, Unit]:
 UNITS: Mapping[str, Unit] = _known_units()
 """Units that are converted; ``counts`` are divided by the counts per turn as well."""
 
-_SPELLINGS = {
+_UNIT_SPELLINGS = {
     "deg": ("°", "degree", "degrees", "Grad", "grad"),
     "turn": ("turns", "rev", "revs", "revolution", "revolutions"),
     "counts": ("count", "cts", "ticks", "inc", "increments"),
@@ -92,7 +92,7 @@ _SPELLINGS = {
     "N cm": ("Ncm",),
     "N mm": ("Nmm",),
 }
-_PLAIN = {other: unit for unit, others in _SPELLINGS.items() for other in others}
+_PLAIN = {other: unit for unit, others in _UNIT_SPELLINGS.items() for other in others}
 
 
 def plain_unit(text: str) -> str:

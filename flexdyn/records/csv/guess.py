@@ -17,7 +17,7 @@ WESTERN = "cp1252"
 """Windows' encoding of Western Europe, which contains all printable characters of latin-1."""
 
 _COMMA = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
-_POINT = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?")
+_DECIMAL_POINT = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?")
 
 
 def encoding_of(path: Path, told: str | None) -> tuple[str, str, str]:
@@ -88,7 +88,7 @@ def _with_commas(dialect: Dialect, samples: Sequence[str]) -> bool:
         if "," not in line and "." not in line:
             continue
         cells = dialect.split(line)
-        if any(map(_POINT.fullmatch, cells)):
+        if any(map(_DECIMAL_POINT.fullmatch, cells)):
             return False
         commas = commas or any(map(_COMMA.fullmatch, cells))
     return commas

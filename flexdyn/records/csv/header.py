@@ -90,7 +90,7 @@ def _every(start: _Start, request: Request) -> Header:
     for column, name in enumerate(names):
         if name == "" and len(names) > 1 and (column == 0 or (column == len(names) - 1 and first[column:] == [""])):
             continue  # labels of rows (pandas), or an empty cell after a separator at the end of the line
-        key, unit = _channel(name, request)
+        key, unit = _column_channel(name, request)
         if key != "t" and not request.mapped:
             check_name(key)
         check_new(key, wanted)
@@ -111,7 +111,7 @@ def _with_gaps(dialect: Dialect, names: tuple[str, ...], lines: list[str]) -> se
     return {name for row in rows for name, cell in zip(names, row, strict=False) if re.fullmatch(NOTHING, cell)}
 
 
-def _channel(name: str, request: Request) -> tuple[str, str]:
+def _column_channel(name: str, request: Request) -> tuple[str, str]:
     """Key of a column in the table, and the unit in its name."""
     bare, unit = split_unit(name)
     if request.mapped:
@@ -126,7 +126,7 @@ def _as_asked(start: _Start, layout: Layout, asked: frozenset[str | int]) -> Hea
     dialect = dialect_of(row, lines, layout, start.text)
     width = len(dialect.split(row))
     names = tuple(dialect.split(start.text)) if start.at else ()
-    wanted = {column_name(one): _column(one, names, width) for one in sorted(asked, key=str)}
+    wanted = {column_name(one): _column_index(one, names, width) for one in sorted(asked, key=str)}
     stated = {key: split_unit(names[column])[1] for key, column in wanted.items() if column < len(names)}
     units = {key: unit for key, unit in stated.items() if unit}
     told = layout.decimal is not None
@@ -147,7 +147,7 @@ def _first_sample(dialect: Dialect, start: _Start) -> list[str]:
     return dialect.split(line) if line else []
 
 
-def _column(asked: str | int, names: tuple[str, ...], width: int) -> int:
+def _column_index(asked: str | int, names: tuple[str, ...], width: int) -> int:
     """Index of a column that was requested by name, or by number from 1."""
     if isinstance(asked, int):
         if not 1 <= asked <= width:

@@ -35,7 +35,7 @@ def write(rec: Recording, path: Path) -> None:
     h5py = library()
     with new_file(path) as file:
         for name, values in {"t": rec.t, **rec.channels}.items():
-            plain = _plain(name)
+            plain = _link_name(name)
             dataset = file.create_dataset(plain, data=values)
             dataset.attrs["units"] = _fixed(h5py, rec.unit(name))
             if plain != name:
@@ -72,7 +72,7 @@ def read_here(path: Path, request: Request) -> Table:
         meta = datasets.pop(RESERVED, None)
         if meta is not None:
             check_storage(meta, RESERVED)
-            table.meta = from_json(_text(h5py, meta))
+            table.meta = from_json(_dataset_text(h5py, meta))
         parts = parts_of(datasets if request.columns is None else request.columns, datasets)
         wanted = {part.array: datasets[part.array] for part in parts}
         for name, dataset in wanted.items():
@@ -95,7 +95,7 @@ def _fixed(h5py: Any, text: str) -> Any:
     return np.array(data, h5py.string_dtype(length=len(data)))
 
 
-def _plain(name: str) -> str:
+def _link_name(name: str) -> str:
     """A link name for a channel: a slash would make a group, so it is written as in a URL."""
     return quote(name, safe=" ") if "/" in name or "%" in name else name
 
@@ -106,7 +106,7 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
     for link in file:
         node = member(h5py, file, link)
         if isinstance(node, h5py.Dataset):
-            found = [(_channel(h5py, node, link), node)]
+            found = [(_dataset_channel(h5py, node, link), node)]
         elif link in SIGNALS:
             found = [(f"{link}.{joint}", member(h5py, node, joint)) for joint in node]
         else:
@@ -135,7 +135,13 @@ def _anywhere(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
                 continue
             node = group[link]
             if isinstance(node, h5py.Dataset):
-                name = f"{path}.{link}" if path in SIGNALS else f"{path}/{link}" if path else _channel(h5py, node, link)
+                name = (
+                    f"{path}.{link}"
+                    if path in SIGNALS
+                    else f"{path}/{link}"
+                    if path
+                    else _dataset_channel(h5py, node, link)
+                )
                 yield name, node
             elif isinstance(node, h5py.Group):
                 groups.append((f"{path}/{link}" if path else link, node))
@@ -148,7 +154,7 @@ def member(h5py: Any, group: Any, link: str) -> Any:
     return group[link]
 
 
-def _channel(h5py: Any, dataset: Any, link: str) -> str:
+def _dataset_channel(h5py: Any, dataset: Any, link: str) -> str:
     return (attribute(h5py, dataset, "channel") if "%" in link else "") or link
 
 
@@ -172,7 +178,7 @@ def check_storage(dataset: Any, name: str) -> None:
         raise InputError("a chunk is larger than 1 GiB", remedy="write smaller chunks", channel=name)
 
 
-def _text(h5py: Any, dataset: Any) -> str:
+def _dataset_text(h5py: Any, dataset: Any) -> str:
     kind = h5py.check_string_dtype(dataset.dtype)
     if kind is None or not kind.length or dataset.shape != ():
         remedy = "write it with write_recording"

@@ -146,7 +146,7 @@ class LeafColumns:
         if wanted := [part for part in asked if part.array == leaf.name]:
             values = leaf.values()
             for part in wanted:
-                self._add(part.key, _column(leaf, values, part))
+                self._add(part.key, _requested_vector(leaf, values, part))
 
     def _add(self, key: str, values: npt.NDArray[Any]) -> None:
         # A copy, so that the variable's memory can be released.
@@ -167,7 +167,7 @@ def _parts(columns: frozenset[str | int]) -> list[RequestedColumn]:
     return asked
 
 
-def _column(leaf: Leaf, values: npt.NDArray[Any], part: RequestedColumn) -> npt.NDArray[Any]:
+def _requested_vector(leaf: Leaf, values: npt.NDArray[Any], part: RequestedColumn) -> npt.NDArray[Any]:
     """A vector, or the requested row or column."""
     if part.axis is None:
         if max(leaf.shape, default=0) != values.size:

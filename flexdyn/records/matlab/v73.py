@@ -103,7 +103,7 @@ class _Reader:
         kind = attribute(self._h5py, dataset, "MATLAB_class") or ""
         shape = tuple(int(extent) for extent in reversed(dataset.shape or ()))
         if kind == "char" and dataset.dtype.kind == "u":
-            return Leaf(name, "text", shape, lambda: _text(dataset, name))
+            return Leaf(name, "text", shape, lambda: _matlab_text(dataset, name))
         if "MATLAB_empty" in dataset.attrs or dataset.shape is None:
             return Leaf(name, "an empty array", (), str)
         if dataset.dtype.kind not in "fiu":
@@ -118,7 +118,7 @@ class _Reader:
         return dataset[()].T
 
 
-def _text(dataset: Any, name: str) -> str:
+def _matlab_text(dataset: Any, name: str) -> str:
     if dataset.size > _LONGEST_TEXT:
         raise InputError("the text is longer than 16 MiB", key=name, remedy="keep long data in channels")
     return bytes(dataset[()].astype("<u2").tobytes()).decode("utf-16-le", "replace")

@@ -33,7 +33,7 @@ def read(path: Path, request: Request) -> Table:
         InputError: not a bag, a damaged one, no clear topic, joints that change between messages, no stamps.
         MissingExtra: rosbags is not installed.
     """
-    _library()
+    _need_rosbags()
     from flexdyn.records.ros.reading import read as inner
 
     return inner(path, request)
@@ -53,12 +53,12 @@ def write(rec: Recording, path: Path, suffix: str) -> None:
         InputError: two samples fall on one nanosecond, or times that ROS cannot hold.
         MissingExtra: rosbags is not installed.
     """
-    _library()
+    _need_rosbags()
     from flexdyn.records.ros.writing import write as inner
 
     inner(rec, path, suffix)
 
 
-def _library() -> None:
+def _need_rosbags() -> None:
     with needed("rosbags", "ros"):
         import rosbags.rosbag2  # noqa: F401

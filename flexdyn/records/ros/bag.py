@@ -72,7 +72,7 @@ class Bag:
         """Topic, time of recording [ns] and bytes of every message of some topics."""
         for number, storage in enumerate(self.storages):
             wanted = [connection for topic in topics for connection in topic.connections.get(number, ())]
-            with _library():
+            with _errors_of_rosbags():
                 for connection, time, raw in storage.messages(wanted) if wanted else ():
                     if not isinstance(raw, bytes) or len(raw) > MOST_MESSAGE:
                         problem = f"a message is not bytes, or more than {MOST_MESSAGE} of them"
@@ -105,14 +105,14 @@ def opened(path: Path) -> Iterator[Bag]:
         storages = [_storage(file, stack) for file in files]
         size = sum(file.stat().st_size for file in files)
         bag = Bag(storages, unpack, not isinstance(storages[0], BoundedReader), size)
-        with _library():
+        with _errors_of_rosbags():
             for number, storage in enumerate(storages):
-                _list(bag, number, storage)
+                _add_topics(bag, number, storage)
         yield bag
 
 
 @contextmanager
-def _library() -> Iterator[None]:
+def _errors_of_rosbags() -> Iterator[None]:
     """Any error of rosbags as one line."""
     try:
         with damage_named("not a bag, truncated, or damaged"):
@@ -125,7 +125,7 @@ def _library() -> Iterator[None]:
 def _storage(path: Path, stack: ExitStack) -> Any:
     """A file of a bag, opened by its reader after its sizes were checked."""
     suffix = path.suffix.lower()
-    with _library():
+    with _errors_of_rosbags():
         if suffix == ".mcap":
             chunks = check_mcap(path)
             storage = McapReader(path)
@@ -143,7 +143,7 @@ def _storage(path: Path, stack: ExitStack) -> Any:
     return storage
 
 
-def _list(bag: Bag, number: int, storage: Any) -> None:
+def _add_topics(bag: Bag, number: int, storage: Any) -> None:
     """Add the topics of a storage."""
     total = storage.message_count if isinstance(storage, BoundedReader) else storage.metadata.message_count
     bag.total += total

@@ -28,7 +28,7 @@ OWN_TOPICS: Mapping[str, tuple[str, str, str]] = {
 CHANNELS_TOPIC = "/flexdyn/channels"
 """Topic, in such a bag, of the channels that JointState has no place for."""
 
-_SIGNALS: Mapping[str, tuple[tuple[str, str], ...]] = {
+_FIELDS_OF_SIGNALS: Mapping[str, tuple[tuple[str, str], ...]] = {
     JOINT_STATE: (("position", "q"), ("velocity", "v"), ("effort", "tau")),
     CONTROLLER_STATE: (
         ("feedback.positions", "q"),
@@ -50,7 +50,7 @@ def columns_of(layout: MessageLayout, msgtype: str) -> dict[str, MessageNumber]:
     Raises:
         InputError: a list has not the length of the list of joints, or two columns would have one name.
     """
-    joints = _list(layout, ("name",)) or _list(layout, ("joint_names",))
+    joints = _texts_of_list(layout, ("name",)) or _texts_of_list(layout, ("joint_names",))
     lengths: dict[Path, int] = {}
     for number in layout.numbers:
         if isinstance(number.path[-1], int):
@@ -58,7 +58,7 @@ def columns_of(layout: MessageLayout, msgtype: str) -> dict[str, MessageNumber]:
     columns: dict[str, MessageNumber] = {}
     for number in layout.numbers:
         name = _dynamic(layout, number) if msgtype == DYNAMIC_JOINT_STATE else None
-        name = name or _plain(number, joints, lengths, msgtype)
+        name = name or _number_name(number, joints, lengths, msgtype)
         check_word(name, "column")
         if name in columns:
             raise InputError("two numbers of a message have one name", key=name, remedy="name every joint once")
@@ -78,7 +78,7 @@ def stamp_of(layout: MessageLayout) -> tuple[MessageNumber, MessageNumber] | Non
 def channels_of(columns: Mapping[str, MessageNumber], msgtype: str) -> dict[str, str]:
     """The channel of each column without a map; first the positions of all joints, then the others."""
     channels: dict[str, str] = {}
-    for field, signal in _SIGNALS[msgtype]:
+    for field, signal in _FIELDS_OF_SIGNALS[msgtype]:
         for name in columns:
             joint = name.removeprefix(f"{field}.")
             if joint != name and f"{signal}.{joint}" not in channels.values():
@@ -100,7 +100,7 @@ def own_channels(columns: Mapping[str, MessageNumber], topic: str, msgtype: str)
     return {name: f"{signals[field]}.{joint}" for name, (field, _, joint) in parts.items()}
 
 
-def _plain(number: MessageNumber, joints: list[str], lengths: Mapping[Path, int], msgtype: str) -> str:
+def _number_name(number: MessageNumber, joints: list[str], lengths: Mapping[Path, int], msgtype: str) -> str:
     """The name of a number, with its joint's name in place of the index where a list is one of joints."""
     *head, last = number.path
     if joints and isinstance(last, int):
@@ -126,5 +126,5 @@ def _dynamic(layout: MessageLayout, number: MessageNumber) -> str | None:
     return f"{interface}.{name}" if name else interface
 
 
-def _list(layout: MessageLayout, path: Path) -> list[str]:
+def _texts_of_list(layout: MessageLayout, path: Path) -> list[str]:
     return [text for where, text in layout.texts.items() if where[:-1] == path and isinstance(where[-1], int)]

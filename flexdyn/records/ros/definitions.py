@@ -20,9 +20,9 @@ def _fields(kind: str, *names: str) -> str:
     return "".join(f"{kind} {name}\n" for name in names)
 
 
-_POINT, _MULTI_POINT = "trajectory_msgs/JointTrajectoryPoint", "trajectory_msgs/MultiDOFJointTrajectoryPoint"
+_TRAJECTORY_POINT, _MULTI_POINT = "trajectory_msgs/JointTrajectoryPoint", "trajectory_msgs/MultiDOFJointTrajectoryPoint"
 _NAMES = ("reference", "feedback", "error", "output")
-_POINTS, _OLD_POINTS = _fields(_POINT, *_NAMES), _fields(_POINT, "desired", "actual")
+_POINTS, _OLD_POINTS = _fields(_TRAJECTORY_POINT, *_NAMES), _fields(_TRAJECTORY_POINT, "desired", "actual")
 _MULTI = _fields(_MULTI_POINT, *(f"multi_dof_{name}" for name in _NAMES))
 _OLD_MULTI = _fields(_MULTI_POINT, "multi_dof_desired", "multi_dof_actual")
 _HEAD = "std_msgs/Header header\nstring[] joint_names\n"
@@ -36,7 +36,7 @@ INTERFACE_VALUE = "control_msgs/msg/InterfaceValue"
 # control_msgs is not among the types that rosbags brings; its fields changed over the years.
 _CONTROL: dict[str, tuple[str, ...]] = {
     CONTROLLER_STATE: (
-        f"{_HEAD}{_OLD_POINTS}{_fields(_POINT, 'error')}",
+        f"{_HEAD}{_OLD_POINTS}{_fields(_TRAJECTORY_POINT, 'error')}",
         f"{_HEAD}{_POINTS}{_OLD_POINTS}{_MULTI_JOINTS}{_MULTI}{_OLD_MULTI}",
         _NEW,
         f"{_NEW}float64 speed_scaling_factor\n",
@@ -66,18 +66,18 @@ def stored(definition: MessageDefinition, msgtype: str, *, cdr: bool) -> Iterato
             raise InputError("a message definition is longer than 128 KiB", value=msgtype)
         with damage_named(f"the definition of {msgtype} cannot be read"):
             fields = _parsed(definition, msgtype)
-        yield {**_plain(get_typestore(Stores.EMPTY).fielddefs), **_plain(fields)}
+        yield {**_without_constants(get_typestore(Stores.EMPTY).fielddefs), **_without_constants(fields)}
         return
-    known = _plain(get_typestore(Stores.ROS2_HUMBLE if cdr else Stores.ROS1_NOETIC).fielddefs)
+    known = _without_constants(get_typestore(Stores.ROS2_HUMBLE if cdr else Stores.ROS1_NOETIC).fielddefs)
     for name, texts in _CONTROL.items():
-        known.update(_plain(get_types_from_msg(texts[0], name)))
+        known.update(_without_constants(get_types_from_msg(texts[0], name)))
     if msgtype not in known:
         problem = "the bag does not hold the definition of its messages, and ROS has no such type"
         raise InputError(problem, value=msgtype, remedy="convert the bag to MCAP where the type is installed")
     if msgtype not in _CONTROL:
         yield known
     for text in _CONTROL.get(msgtype, ()):
-        yield {**known, **_plain(get_types_from_msg(text, msgtype))}
+        yield {**known, **_without_constants(get_types_from_msg(text, msgtype))}
 
 
 def control_types() -> dict[str, Any]:
@@ -99,6 +99,6 @@ def _parsed(definition: MessageDefinition, msgtype: str) -> dict[str, Any]:
     return fields
 
 
-def _plain(types: Any) -> dict[str, Any]:
+def _without_constants(types: Any) -> dict[str, Any]:
     """Fields by type, without the constants."""
     return {name: parsed[1] for name, parsed in types.items()}

@@ -24,7 +24,7 @@ from flexdyn.records.table import Rows, Table
 META_TOPIC = "/flexdyn/meta"
 """Topic for data without a place in ROS: order of channels, zero of time, meta; one text."""
 
-_STRING = "std_msgs/msg/String"
+TEXT_MESSAGE = "std_msgs/msg/String"
 
 
 def read(path: Path, request: Request) -> Table:
@@ -62,7 +62,7 @@ def _own(bag: Bag, request: Request) -> dict[str, Any] | None:
     """The text of flexdyn about its own bag; None for other bags, or if raw columns are requested."""
     topic = bag.topics.get(META_TOPIC)
     raw = request.layout.topic or any(str(name).startswith("/") for name in request.columns or ())
-    if topic is None or topic.msgtype != _STRING or raw:
+    if topic is None or topic.msgtype != TEXT_MESSAGE or raw:
         return None
     texts = [text for _, _, raw in bag.messages([topic]) for text in bag.layout(topic, raw).texts.values()]
     own = from_json(texts[0]) if len(texts) == 1 else {}

@@ -30,11 +30,10 @@ from flexdyn.records.ros.columns import (
     stamp_of,
 )
 from flexdyn.records.ros.definitions import control_types
-from flexdyn.records.ros.reading import META_TOPIC
+from flexdyn.records.ros.reading import META_TOPIC, TEXT_MESSAGE
 from flexdyn.records.ros.walk import Bytes, lay_out
 from flexdyn.records.units import split_name
 
-_STRING = "std_msgs/msg/String"
 _LATEST = 2**31 * NANO
 _BAG_BLOCK = 4096
 
@@ -61,9 +60,9 @@ def write(rec: Recording, path: Path, suffix: str) -> None:
     with TemporaryDirectory(dir=path.parent, prefix=".") as folder:
         bag = Path(folder) / "bag"
         with _refusals_as_usual(), _writer(bag, suffix) as writer:
-            text = writer.add_connection(META_TOPIC, _STRING, typestore=store)
+            text = writer.add_connection(META_TOPIC, TEXT_MESSAGE, typestore=store)
             links = [writer.add_connection(group.topic, group.msgtype, typestore=store) for group in groups]
-            writer.write(text, int(stamps[0]), serialize(store.types[_STRING](note), _STRING))
+            writer.write(text, int(stamps[0]), serialize(store.types[TEXT_MESSAGE](note), TEXT_MESSAGE))
             first = [bytes(serialize(_message(store, group, cdr), group.msgtype)) for group in groups]
             for begin in range(0, len(stamps), _BAG_BLOCK):
                 some = slice(begin, begin + _BAG_BLOCK)

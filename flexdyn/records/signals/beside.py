@@ -16,7 +16,7 @@ from flexdyn.records.table import Table
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
-METHODS = ("linear", "hold")
+BESIDE_METHODS = ("linear", "hold")
 """``linear``: interpolation between two samples; ``hold``: the value of the last sample."""
 START = "start_ns"
 """Key of a recording's meta: the time of day of its zero [ns]."""
@@ -37,8 +37,8 @@ def beside(first: Recording, others: Sequence[Recording], method: str = "linear"
     Raises:
         InputError: no such method, a channel that two of them have, or no two times in common.
     """
-    remedy = f"known: {', '.join(METHODS)}"
-    check_known(method, METHODS, "no such method", key="method", value=method, remedy=remedy)
+    remedy = f"known: {', '.join(BESIDE_METHODS)}"
+    check_known(method, BESIDE_METHODS, "no such method", key="method", value=method, remedy=remedy)
     columns: dict[str, Array] = {"t": first.t, **first.channels}
     meta = as_plain(first.meta)
     units, notes = dict(meta.get("units", {})), list(meta.get("notes", ()))
@@ -47,7 +47,7 @@ def beside(first: Recording, others: Sequence[Recording], method: str = "linear"
     for other in others:
         for name in other.channels:
             if name in columns:
-                problem, remedy = f"{_named(first)} and {_named(other)} both have it", "leave it out of one of them"
+                problem, remedy = f"{_label(first)} and {_label(other)} both have it", "leave it out of one of them"
                 raise InputError(problem, key=name, remedy=f"{remedy}, by a channel map", channel=name)
         t, clock = _on_the_clock_of(first, other)
         kept &= (first.t >= t[0]) & (first.t <= t[-1]) & ~in_gaps(t, first.t)
@@ -55,10 +55,10 @@ def beside(first: Recording, others: Sequence[Recording], method: str = "linear"
         units |= as_plain(other.meta).get("units", {})
         notes += [*as_plain(other.meta).get("notes", ()), _said(first, other, t, method, clock)]
     if kept.sum() < 2:
-        spans = "; ".join(f"{_named(each)} {each.t[0]:.6g} to {each.t[-1]:.6g} s" for each in (first, *others))
+        spans = "; ".join(f"{_label(each)} {each.t[0]:.6g} to {each.t[-1]:.6g} s" for each in (first, *others))
         remedy = "shift one of them: time: {shift: SECONDS} in its channel map"
         raise InputError("the recordings have no two times in common", key="t", value=spans, remedy=remedy)
-    notes.append(f"{int(kept.sum())} of {len(first)} samples of {_named(first)} are common")
+    notes.append(f"{int(kept.sum())} of {len(first)} samples of {_label(first)} are common")
     chosen = {name: np.array(values[kept]) for name, values in columns.items()}
     known = meta | {"notes": notes} | ({"units": units} if units else {})
     if forced := tuple(dict.fromkeys(joint for each in (first, *others) for joint in each.prescribed)):
@@ -84,10 +84,10 @@ def _said(first: Recording, other: Recording, t: Array, method: str, clock: str)
     off = float(np.median(to_nearest(t, first.t)))
     how = "on straight lines between its samples" if method == "linear" else "each sample held to the next"
     return (
-        f"{_named(other)} ({other.rate:.4g} Hz) was put on the times of {_named(first)} ({first.rate:.4g} Hz), {how};"
+        f"{_label(other)} ({other.rate:.4g} Hz) was put on the times of {_label(first)} ({first.rate:.4g} Hz), {how};"
         f" {clock}; its samples are {1e3 * off:.3g} ms from these times in the median"
     )
 
 
-def _named(rec: Recording) -> str:
+def _label(rec: Recording) -> str:
     return rec.name or "a recording"

@@ -50,11 +50,11 @@ def decimated(rec: Recording, factor: int) -> Recording:
         raise InputError(problem, key="factor", value=factor, remedy="give a smaller one")
     columns = {"t": rec.t[kept]}
     for name, values in rec.channels.items():
-        columns[name] = _means(values, kept, factor) if is_held(name) else _filtered(values, kept, factor)
+        columns[name] = _means_of_group(values, kept, factor) if is_held(name) else _low_pass(values, kept, factor)
     return made(rec, columns)
 
 
-def _filtered(values: Array, kept: Indices, factor: int) -> Array:
+def _low_pass(values: Array, kept: Indices, factor: int) -> Array:
     from scipy.signal import firwin, resample_poly
 
     taps = firwin(2 * FILTER_REACH * factor + 1, 1.0 / factor, window="hamming")
@@ -63,7 +63,7 @@ def _filtered(values: Array, kept: Indices, factor: int) -> Array:
     return np.asarray(low[kept // factor] + level)
 
 
-def _means(values: Array, kept: Indices, factor: int) -> Array:
+def _means_of_group(values: Array, kept: Indices, factor: int) -> Array:
     return np.asarray(values[kept[:, None] + np.arange(factor)].mean(axis=1))
 
 

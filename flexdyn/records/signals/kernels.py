@@ -133,7 +133,8 @@ class GaussianSmoother:
     `Smoother`, for users, finds its width from the data and reproduces cubics. The smallest error of its second
     derivative is below that of a Gaussian of any width, on smooth motion by a factor of 3 to 11
     (`tests/records/test_smooth.py`). The diagnosis needs something else: the same few milliseconds in every recording,
-    and positive weights, so that a smoothed signal never overshoots at the corners that friction makes.
+    positive weights, so that a smoothed signal never overshoots at the corners that friction makes, and variances that
+    add where one filter follows another. docs/noise_and_smoothing.md has what both were measured at.
 
     Attributes:
         taps: (3, 2 half + 1) [1, 1/s, 1/s^2].

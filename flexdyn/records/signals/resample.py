@@ -18,7 +18,7 @@ from flexdyn.records.units import is_held, split_name
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
-METHODS = ("spline", "hermite", "linear")
+RESAMPLE_METHODS = ("spline", "hermite", "linear")
 
 _SMOOTH = ("q", "v", "theta", "omega", "tau_s")
 _RATES = {"q": "v", "theta": "omega"}
@@ -58,17 +58,17 @@ def resampled(
     Raises:
         InputError: a longer gap (row and remedy), times outside the recording, or contradictory arguments.
     """
-    check_known(method, METHODS, "no such method", key="method", value=method)
+    check_known(method, RESAMPLE_METHODS, "no such method", key="method", value=method)
     if (rate is None) == (times is None):
         raise InputError("one time base is needed", key="rate", remedy="give either rate=Hz or times=[seconds]")
     _check_gaps(rec, longest_gap)
-    wanted = _grid(rec, rate) if times is None else _times(rec, times)
+    wanted = _grid(rec, rate) if times is None else _given_times(rec, times)
     if filtered:
-        return _filtered(rec, wanted, method)
-    return made(rec, {"t": wanted, **{name: _column(rec, name, wanted, method) for name in rec.channels}})
+        return _smoothed_and_sampled(rec, wanted, method)
+    return made(rec, {"t": wanted, **{name: _resampled(rec, name, wanted, method) for name in rec.channels}})
 
 
-def _column(rec: Recording, name: str, times: Array, method: str) -> Array:
+def _resampled(rec: Recording, name: str, times: Array, method: str) -> Array:
     """One channel at new times; old times keep their samples bit for bit."""
     if is_held(name):
         return rec[name][rows_held(rec.t, times)]
@@ -88,7 +88,7 @@ def _column(rec: Recording, name: str, times: Array, method: str) -> Array:
     return np.where(rec.t[row] == times, rec[name][row], out)
 
 
-def _filtered(rec: Recording, wanted: Array, method: str) -> Recording:
+def _smoothed_and_sampled(rec: Recording, wanted: Array, method: str) -> Recording:
     """Smooth on a uniform grid of the old rate, then sample at the new times; torques are averaged."""
     old, new = 1 / float(np.median(np.diff(rec.t))), 1 / float(np.median(np.diff(wanted)))
     narrow = Smoother(5, old).cutoff
@@ -108,14 +108,14 @@ def _filtered(rec: Recording, wanted: Array, method: str) -> Recording:
     smoothed = {n: smoother.value(values) for n, values in even.channels.items() if not is_held(n)}
     for name in rec.channels:
         if is_held(name):
-            columns[name] = _means(rec, name, kept)
+            columns[name] = _means_of_held(rec, name, kept)
         else:
             inside = made(rec, {"t": inner, name: smoothed[name]}, meta=False)
-            columns[name] = _column(inside, name, kept, "linear" if method == "linear" else "spline")
+            columns[name] = _resampled(inside, name, kept, "linear" if method == "linear" else "spline")
     return made(rec, columns)
 
 
-def _means(rec: Recording, name: str, times: Array) -> Array:
+def _means_of_held(rec: Recording, name: str, times: Array) -> Array:
     """Mean of a held channel from each time to the next; the last interval is as long as the one before."""
     ends = np.append(times, 2 * times[-1] - times[-2])
     row = np.clip(np.searchsorted(rec.t, ends, "right") - 1, 0, None)
@@ -134,7 +134,7 @@ def _grid(rec: Recording, rate: float | None) -> Array:
     return np.asarray(np.minimum(rec.t[0] + np.arange(count) / value, rec.t[-1]))
 
 
-def _times(rec: Recording, times: npt.ArrayLike) -> Array:
+def _given_times(rec: Recording, times: npt.ArrayLike) -> Array:
     """The new times as given: increasing, and inside the recording."""
     values = np.array(times, float)
     if values.ndim != 1 or len(values) < 2:
