@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import itertools
 import math
 from collections.abc import Callable
 
@@ -18,6 +19,7 @@ from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
 from flexdyn.diagnose.simulated.window_scan import Addition, Responses, is_asked, promising
+from flexdyn.effects import JointEffect
 from flexdyn.errors import FlexdynError
 
 SWAPS, ADDITIONS = 2, 2
@@ -227,6 +229,29 @@ def _with_other_numbers(simulated: Simulated, here: WindowFit) -> WindowFit:
     return fit_to_windows(WindowFit.of(simulated.fits[best].made, here.shot.windows))
 
 
+def _is_certain(simulated: Simulated, best: Structure) -> bool:
+    """Whether windows are certain of what a law of a structure has beyond a plainer one that the equations have there.
+
+    Without it the two are the same, but for when a joint sticks, which noise decides: the more flexible law then fits
+    better, whatever the robot has.
+    """
+    candidates, made = simulated.found.space.candidates, simulated.fits[best].made
+    for law, plain in itertools.product(*([candidates[c] for c, _ in each] for each in (best, simulated.found.best))):
+        if plain.kind not in law.law.contains or plain.spot != law.spot:
+            continue
+        common = {each.name for each in plain.law.parameters()}
+        ratios = [
+            abs(getattr(effect, name)) / sigma
+            for (effect, name), sigma in made.std().items()
+            if isinstance(effect, JointEffect)
+            and (effect.name, effect.joint, effect.side) == (law.kind, *law.spot)
+            and name not in common
+        ]
+        if ratios and max(ratios) <= CERTAIN_SIGMAS:
+            return False
+    return True
+
+
 def reweighed(
     found: Posterior, windows: Windows, fits: Callable[[Fit], bool], *, all_named: bool = True
 ) -> Posterior | None:
@@ -259,7 +284,7 @@ def reweighed(
     if large:
         return None
     best = simulated.climbed(found.best)
-    if best not in simulated.fits:
+    if best not in simulated.fits or not _is_certain(simulated, best):
         return None
     if best != found.best:
         here = fit_to_windows(WindowFit.of(simulated.fits[best].made, windows))
