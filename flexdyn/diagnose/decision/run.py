@@ -12,6 +12,7 @@ from flexdyn.diagnose.data.rate import advice, at_needed_rates
 from flexdyn.diagnose.data.windings import with_inductance, with_lagging_current, without_inductance
 from flexdyn.diagnose.decision.background import Progress, beside, shown
 from flexdyn.diagnose.decision.split import Recordings, checked_blocks, parts, without_blocks
+from flexdyn.diagnose.decision.unknown_sizes import with_sizes
 from flexdyn.diagnose.equations.sanity import check_recordings
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
 from flexdyn.diagnose.hypothesis.workspace import prepared, recorded_noise, weighed
@@ -129,6 +130,7 @@ def _diagnosed(
     model = without_inductance(model)
     fitted, test = parts(model, fit, check)
     data = tuple(each.data for each in fitted)
+    model = with_sizes(model, data)
     notes = (*said, *check_recordings(model, data), *advice(model, data))
     know(fitted=fitted, notes=notes, noise=recorded_noise(data))
     bare, noise, start = prepared(model, data)
