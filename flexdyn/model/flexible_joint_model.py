@@ -33,6 +33,12 @@ from flexdyn.model.urdf_dynamics import urdf_effects
 from flexdyn.robot import Robot
 
 EARTH = (0.0, 0.0, -9.81)
+UNITS = {
+    "rotor_inertia": ("kg m^2 on the motor side", "kg m^2 on the motor side"),
+    "stiffness": ("N m/rad", "N/m"),
+    "damping": ("N m s/rad", "N s/m"),
+}
+"""Of a joint's numbers that may be unknown, where it turns and where it slides."""
 
 
 class FlexibleJointModel(Public):
@@ -236,11 +242,10 @@ class FlexibleJointModel(Public):
             InputError: a number is unknown; the message says how to give it.
         """
         for name, joint in self.joints.items():
-            for number in ("rotor_inertia", *(["damping"] if self.elastic[self.index(name)] else [])):
+            slides = self.robot.angle_unit(name) == "m"
+            for number in ("rotor_inertia", *(["stiffness", "damping"] if self.elastic[self.index(name)] else [])):
                 if joint.given(number).is_unknown:
-                    turns = self.robot.kinds[self.index(name)] == "revolute"
-                    unit = "kg m^2 on the motor side" if number != "damping" else "N m s/rad" if turns else "N s/m"
-                    raise refusal(f"joints.{name}.{number}", unit)
+                    raise refusal(f"joints.{name}.{number}", UNITS[number][slides])
         for name in unknown_links(self.links):
             raise refusal(f"links.{name}.inertia", "kg m^2")
         for name in unknown_masses(self.tolerance, self.robot.frame_names):

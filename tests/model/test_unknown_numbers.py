@@ -62,6 +62,18 @@ def test_nothing_is_computed_without_the_number(tmp_path: Path, use: Callable[[A
         use(model.replace(joints={"hinge": {"rotor_inertia": 0.1}}, links={"rod": {"inertia": "unknown"}}))
 
 
+def test_an_unknown_stiffness(tmp_path: Path) -> None:
+    """The joint is elastic; nothing is computed without the number, and a file holds the word."""
+    model = rod(tmp_path, {"hinge": {"rotor_inertia": 0.1, "stiffness": "unknown"}})
+    assert model.elastic.all()
+    with pytest.raises(fd.InputError, match=r"^joints.hinge.stiffness: the number is unknown.*; write it in N m/rad, "):
+        fd.simulate(model, duration=0.1)
+    fd.save_model(model, tmp_path / "model.yaml")
+    assert fd.load_model(tmp_path / "model.yaml").replace(name=model.name) == model == repickled(model)
+    known = model.replace(joints={"hinge": {"stiffness": 50.0}})
+    assert fd.simulate(known, duration=0.1).q.shape == (101, 1)
+
+
 def test_an_inertia_of_a_link_stands_in_place_of_the_urdfs(tmp_path: Path) -> None:
     """M = m r^2 + I about the hinge; the resolved model has it in its robot."""
     model = rod(tmp_path, links={"rod": {"inertia": 0.05}})
@@ -183,7 +195,8 @@ def test_a_file_says_unknown_and_not_an_infinite_tolerance(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("joint", "words"),
     [
-        ({"stiffness": "unknown"}, "joints.hinge.stiffness: it must be a number, got 'unknown'; leave it out"),
+        ({"stiffness": "unknown"}, "joints.hinge.rotor_inertia: an elastic joint needs it above 0; give the rotor's"),
+        ({"stiffness": 0.0}, "joints.hinge.stiffness: it must be above 0, got 0.0; use .inf for a rigid joint"),
         ({"gear_ratio": "unknown"}, "joints.hinge.gear_ratio: it must be a number, got 'unknown'; all signals"),
         ({"gear_ratio": {"value": 5, "tolerance": 1}}, "joints.hinge.gear_ratio: it must be a number"),
         ({"rotor_inertia": "unknwon"}, "joints.hinge.rotor_inertia: a number is needed, got 'unknwon'"),
