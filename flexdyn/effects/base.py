@@ -174,6 +174,15 @@ class Effect(Traits):
         """Whether it changes nothing: every parameter named in `neutral` has its neutral value."""
         return bool(self.neutral) and all(getattr(self, key) == value for key, value in self.neutral.items())
 
+    @classmethod
+    def unknowable(cls) -> tuple[str, ...]:
+        """Parameters that a model file may call unknown: sizes of its torque that are 0 or more.
+
+        A diagnosis starts a size near 0. Of another parameter, and of a size of either sign, nothing says where.
+        """
+        lower = {entry.name: entry.metadata["lower"] for entry in cls.parameters()}
+        return tuple(name for name in cls.uncertain() if name in cls.linear and lower[name] == 0.0)
+
     def parts(self) -> tuple[Effect, ...]:
         """What it is in the plant: one effect for each law of the core that it has."""
         return (self,)

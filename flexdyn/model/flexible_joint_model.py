@@ -18,7 +18,7 @@ from flexdyn.io.locked import lock, plain
 from flexdyn.io.notebook import Public
 from flexdyn.model.given_number import GivenNumber, link_inertias, links_entry, refusal, robot_with_links, unknown_links
 from flexdyn.model.joint import Joint, resolve_joints
-from flexdyn.model.resolved_parameters import elasticities, folded
+from flexdyn.model.resolved_parameters import elasticities, folded, units_of
 from flexdyn.model.setting_checks import (
     command_checked,
     fitted,
@@ -27,12 +27,18 @@ from flexdyn.model.setting_checks import (
     one_of,
     tolerance_checked,
 )
-from flexdyn.model.stated_tolerances import with_stated_tolerances
+from flexdyn.model.stated_tolerances import unknown_masses, unknown_parameters, with_stated_tolerances
 from flexdyn.model.summary import as_card
 from flexdyn.model.urdf_dynamics import urdf_effects
 from flexdyn.robot import Robot
 
 EARTH = (0.0, 0.0, -9.81)
+UNITS = {
+    "rotor_inertia": ("kg m^2 on the motor side", "kg m^2 on the motor side"),
+    "stiffness": ("N m/rad", "N/m"),
+    "damping": ("N m s/rad", "N s/m"),
+}
+"""Of a joint's numbers that may be unknown, where it turns and where it slides."""
 
 
 class FlexibleJointModel(Public):
@@ -52,13 +58,15 @@ class FlexibleJointModel(Public):
         joints: joint name -> `Joint` or mapping of its numbers; ``"*"`` applies to all joints that are not named. A
             number may be ``"unknown"`` or have an absolute tolerance, see `Joint`; in an actuator's mapping so may
             torque constant and resistance.
-        effects: any number of them; several of one kind add up. In a mapping, a number may have an absolute tolerance.
+        effects: any number of them; several of one kind add up. In a mapping, a number may have an absolute tolerance;
+            a size that is 0 or more, such as a level of friction, may be ``"unknown"``.
         initial: ``{"q": {"elbow": 1.57}}``; also v, theta, omega [rad, rad/s]. Default 0, theta = q, omega = v.
         tolerance: how well the numbers are known, relative, 1 sigma; a mapping sets it per number by its dotted path
             (``{"*": 0.05, "joints.elbow.stiffness": 0.2}``).
         links: link name -> ``{"inertia": moment}`` [kg m^2], the same about every axis through the centre of mass. It
             replaces the URDF's value, which is often 0; it may be ``"unknown"`` or have an absolute tolerance.
-            ``{"mass": {"tolerance": 0.1}}`` [kg] is the absolute tolerance of the URDF's mass.
+            ``{"mass": {"tolerance": 0.1}}`` [kg] is the absolute tolerance of the URDF's mass; ``{"mass": "unknown"}``
+            takes that mass for a scale only.
         gravity: [m/s^2] in the axes of the base.
         urdf_dynamics: ``use`` turns the URDF's <dynamics damping friction> into link-side effects; ``ignore`` leaves
             it out.
@@ -234,13 +242,17 @@ class FlexibleJointModel(Public):
             InputError: a number is unknown; the message says how to give it.
         """
         for name, joint in self.joints.items():
-            for number in ("rotor_inertia", *(["damping"] if self.elastic[self.index(name)] else [])):
+            slides = self.robot.angle_unit(name) == "m"
+            for number in ("rotor_inertia", *(["stiffness", "damping"] if self.elastic[self.index(name)] else [])):
                 if joint.given(number).is_unknown:
-                    turns = self.robot.kinds[self.index(name)] == "revolute"
-                    unit = "kg m^2 on the motor side" if number != "damping" else "N m s/rad" if turns else "N s/m"
-                    raise refusal(f"joints.{name}.{number}", unit)
+                    raise refusal(f"joints.{name}.{number}", UNITS[number][slides])
         for name in unknown_links(self.links):
             raise refusal(f"links.{name}.inertia", "kg m^2")
+        for name in unknown_masses(self.tolerance, self.robot.frame_names):
+            raise refusal(f"links.{name}.mass", "kg")
+        for i, name in unknown_parameters(self.tolerance, self.effects):
+            units = units_of(self.robot, self.effects[i], getattr(self.effects[i], "joint", None))
+            raise refusal(f"effects[{i}].{name}", units[name])
 
     def rigid(self) -> FlexibleJointModel:
         """The same arm without elasticity: every joint rigid, J added to M, no effects that need a spring."""

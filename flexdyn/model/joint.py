@@ -18,13 +18,13 @@ class Joint:
     """The drive of one joint; all numbers except rotor_inertia are on the link side of the gear.
 
     Every number but the gear ratio may be given with an absolute tolerance, one standard deviation in its own unit:
-    ``{"value": 0.0, "tolerance": 2e-5}``. Rotor inertia and damping may be ``"unknown"``: a diagnosis estimates them.
+    ``{"value": 0.0, "tolerance": 2e-5}``. It may also be ``"unknown"``: a diagnosis estimates it.
 
     Args:
         gear_ratio: N = motor angle / link angle [1]; on a prismatic joint [rad/m]; negative where the motor turns the
             other way.
         rotor_inertia: on the motor side [kg m^2]; J = gear_ratio^2 rotor_inertia.
-        stiffness: K [N m/rad or N/m]; infinite: a rigid joint.
+        stiffness: K [N m/rad or N/m]; infinite: a rigid joint; 0 where it is unknown.
         damping: D across the transmission [N m s/rad or N s/m]; it has no effect in a rigid joint.
         actuator: an `Actuator` or its mapping, if the motor is driven by a voltage; None: by a torque.
         tolerances: absolute ones by name of the number; infinite: the number is unknown. Taken from the numbers if
@@ -53,7 +53,7 @@ class Joint:
         self._read()
         if self.gear_ratio == 0 or math.isinf(self.gear_ratio):
             raise InputError("it must be finite and not 0", key="gear_ratio", value=self.gear_ratio)
-        if self.stiffness <= 0:
+        if self.stiffness < 0 or (self.stiffness == 0 and not self.given("stiffness").is_unknown):
             remedy = "use .inf for a rigid joint"
             raise InputError("it must be above 0", key="stiffness", value=self.stiffness, remedy=remedy)
         for name in ("rotor_inertia", "damping"):
@@ -67,7 +67,7 @@ class Joint:
 
     @property
     def elastic(self) -> bool:
-        """Whether its stiffness is finite."""
+        """Whether its stiffness is finite, known or not."""
         return math.isfinite(self.stiffness)
 
     @property
@@ -112,8 +112,8 @@ class Joint:
             if number.value != 0.0 and tolerances.get(name) == math.inf:
                 del tolerances[name]  # it was unknown and now has a value
             if number.tolerance is not None:
-                if name == "gear_ratio" or (number.is_unknown and name == "stiffness"):
-                    raise InputError("it must be a number", key=name, value=number.entry(), remedy=ALWAYS_KNOWN[name])
+                if name == "gear_ratio":
+                    raise InputError("it must be a number", key=name, value=number.entry(), remedy=RATIO_KNOWN)
                 tolerances[name] = number.tolerance
             object.__setattr__(self, name, number.value)
         object.__setattr__(self, "tolerances", tuple(sorted(tolerances.items())))
@@ -123,11 +123,8 @@ JOINT_KEYS = tuple(field.name for field in fields(Joint) if field.name != "toler
 """Keys of a joint in a model file."""
 NUMBERS = tuple(name for name in JOINT_KEYS if name != "actuator")
 """Names of a joint's numbers."""
-ALWAYS_KNOWN = {
-    "gear_ratio": "all signals are reflected, so a wrong one shows in the rotor's inertia: make rotor_inertia unknown",
-    "stiffness": "leave it out: a diagnosis finds the elasticity of a rigid joint, with its stiffness",
-}
-"""Why some numbers may not be unknown."""
+RATIO_KNOWN = "all signals are reflected, so a wrong one shows in the rotor's inertia: make rotor_inertia unknown"
+"""Why a gear ratio may not be unknown."""
 
 
 def resolve_joints(entries: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, Joint]:

@@ -15,8 +15,9 @@ from flexdyn.io.files import exists, is_file, relative, write_text
 from flexdyn.io.locked import thawed
 from flexdyn.io.yaml import check_format, check_keys, dump_yaml, parse_yaml, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.given_number import links_entry
+from flexdyn.model.given_number import UNKNOWN, links_entry
 from flexdyn.model.setting_checks import check_tolerance_paths
+from flexdyn.model.stated_tolerances import known_tolerances, unknown_masses, unknown_parameters
 from flexdyn.records import Recording
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.robot.axes import plain_axes
@@ -129,17 +130,21 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
     if model.robot.axes:
         robot["axes"] = plain_axes(model.robot.axes)
     robot |= {"urdf_dynamics": model.urdf_dynamics, "rotor_coupling": model.rotor_coupling}
-    tolerance = dict(model.tolerance) if isinstance(model.tolerance, Mapping) else model.tolerance
+    effects, links = [effect.to_dict() for effect in model.effects], links_entry(model.links)
+    for i, name in unknown_parameters(model.tolerance, model.effects):
+        effects[i][name] = UNKNOWN
+    for link in unknown_masses(model.tolerance, model.robot.frame_names):
+        links[link] = {**links.get(link, {}), "mass": UNKNOWN}
     content = {
         "flexdyn": MODEL_FORMAT,
         "robot": robot,
         "joints": {name: joint.to_dict() for name, joint in model.joints.items()},
         "initial": {signal: dict(values) for signal, values in model.initial.items()},
-        "tolerance": tolerance,
-        "effects": [effect.to_dict() for effect in model.effects],
+        "tolerance": known_tolerances(model.tolerance),
+        "effects": effects,
     }
-    if model.links:
-        content["links"] = links_entry(model.links)
+    if links:
+        content["links"] = links
     return content if model.command is None else content | {"command": thawed(model.command)}
 
 

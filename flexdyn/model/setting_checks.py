@@ -17,6 +17,7 @@ from flexdyn.control.setting_checks import per_joint
 from flexdyn.effects import CouplingEffect, Effect, InertiaEffect, JointEffect, SensorEffect, effect_from_dict
 from flexdyn.errors import InputError, placed, retold
 from flexdyn.io.locked import frozen
+from flexdyn.model.given_number import UNKNOWN
 from flexdyn.model.joint import NUMBERS, Joint
 from flexdyn.model.resolved_parameters import elasticities
 from flexdyn.robot import Robot
@@ -60,13 +61,13 @@ def initial_checked(entries: Mapping[str, Any], names: tuple[str, ...]) -> Mappi
 
 
 def tolerance_checked(value: Any) -> float | Mapping[str, float]:
-    """One relative tolerance, or several by the dotted path of the number, read-only."""
+    """One relative tolerance, or several by the dotted path of the number, read-only; infinite: it is unknown."""
     entries = value if isinstance(value, Mapping) else {"*": value}
     found = {}
     for path, entry in entries.items():
         key = "tolerance" if path == "*" else f"tolerance.{path}"
         problem, remedy = "a number of at least 0 is needed", "0.05 means 5 %, 1 sigma"
-        found[str(path)] = number(key, entry, problem, least=0.0, remedy=remedy)
+        found[str(path)] = number(key, entry, problem, least=0.0, infinite=path != "*", remedy=remedy)
     return MappingProxyType(found) if isinstance(value, Mapping) else found["*"]
 
 
@@ -82,7 +83,8 @@ def check_tolerance_paths(
         effects: of the file.
 
     Raises:
-        InputError: an unknown path; the message names the most similar one.
+        InputError: an unknown path; the message names the most similar one. An infinite tolerance: a file says
+            ``unknown`` in place of the number.
     """
     if not isinstance(tolerance, Mapping):
         return
@@ -90,8 +92,11 @@ def check_tolerance_paths(
     known = ["*", *(f"joints.{joint}.{number}" for joint in ("*", *joints) for number in numbers)]
     known += [f"effects[{i}].{field.name}" for i, effect in enumerate(effects) for field in effect.parameters()]
     known += [f"links.{link}.{number}" for link in links for number in ("mass", "com", "inertia")]
-    for path in tolerance:
+    for path, share in tolerance.items():
         check_known(str(path), known, "no such number in the model", key=f"tolerance.{path}")
+        if share == math.inf:
+            remedy = f"write {UNKNOWN} for the number itself"
+            raise InputError("a finite number is needed", key=f"tolerance.{path}", value=share, remedy=remedy)
 
 
 def command_checked(command: Any, joint_names: Sequence[str]) -> Mapping[str, Any] | None:

@@ -1,4 +1,7 @@
-"""Absolute tolerances that stand beside numbers of motors, links and effects, as the relative ones of the model."""
+"""Absolute tolerances that stand beside numbers of motors, links and effects, as the relative ones of the model.
+
+An unknown number is 0, or what the URDF says, and has an infinite tolerance.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,7 @@ def with_stated_tolerances(
         Tolerances, joints, links, effects.
 
     Raises:
-        InputError: an unknown number or a tolerance that no diagnosis can use.
+        InputError: an unknown number for which no first value can be found, or a tolerance that no diagnosis can use.
     """
     stated: Paths = {}
     joints = _each(joints, lambda name, entry: _joint(joints, name, entry, stated, robot.joint_names))
@@ -87,7 +90,10 @@ def _link(link: str, entry: Mapping[str, Any], stated: Paths, robot: Robot) -> A
     key, given = f"links.{link}.mass", entry["mass"]
     with retold(key=f"links.{link}", value=None):
         mass = robot.link_size(link)[0]
-    remedy = "change it there, and write {tolerance: 0.1} here"
+    if isinstance(given, str) and given == UNKNOWN:
+        stated[key] = math.inf
+        return {name: value for name, value in entry.items() if name != "mass"} or None
+    remedy = f"change it there, and write {{tolerance: 0.1}} or {UNKNOWN} here"
     number = _number({"value": mass, **given} if isinstance(given, Mapping) else given, key, remedy)
     if number is None or abs(number.value - mass) > SAME_MASS * mass:
         raise InputError(f"the URDF gives it as {mass:g} kg", key=key, value=given, remedy=remedy)
@@ -103,10 +109,48 @@ def _effect(i: int, entry: Any, stated: Paths) -> Any:
     found = dict(entry)
     for name in (field.name for field in kind.parameters() if field.name in entry):
         key = f"effects[{i}].{name}"
-        if number := _number(entry[name], key, "leave the effect out: a diagnosis finds it, with its numbers"):
+        if isinstance(entry[name], str) and entry[name] == UNKNOWN and name in kind.unknowable():
+            found[name], stated[key] = 0.0, math.inf
+        elif number := _number(entry[name], key, "leave the effect out: a diagnosis finds it, with its numbers"):
             _check_estimated(kind, name, key)
             found[name], stated[key] = number.value, _checked_share(number, key)
     return found
+
+
+def unknown_parameters(tolerance: Any, effects: Sequence[Effect]) -> list[tuple[int, str]]:
+    """Effects by their place in the list, each with the name of a parameter that is unknown.
+
+    Args:
+        tolerance: of the model.
+        effects: of the model, which hold 0 for an unknown number.
+    """
+    if not isinstance(tolerance, Mapping):
+        return []
+    return [
+        (i, name)
+        for i, effect in enumerate(effects)
+        for name in effect.unknowable()
+        if tolerance.get(f"effects[{i}].{name}") == math.inf and getattr(effect, name) == 0.0
+    ]
+
+
+def unknown_masses(tolerance: Any, links: Sequence[str]) -> list[str]:
+    """The links whose mass is unknown.
+
+    Args:
+        tolerance: of the model.
+        links: names of the robot's links.
+    """
+    return [
+        each for each in links if isinstance(tolerance, Mapping) and tolerance.get(f"links.{each}.mass") == math.inf
+    ]
+
+
+def known_tolerances(tolerance: Any) -> Any:
+    """The tolerances of a model without those that say that a number is unknown."""
+    if not isinstance(tolerance, Mapping):
+        return tolerance
+    return {path: share for path, share in tolerance.items() if share != math.inf}
 
 
 def _check_estimated(kind: type[Effect], name: str, key: str) -> None:

@@ -13,6 +13,7 @@ from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.given_number import GivenNumber, robot_with_links
 from flexdyn.model.resolved_parameters import OF_LINK, OF_MOTOR
+from flexdyn.model.stated_tolerances import known_tolerances
 
 UNCERTAIN_OF_JOINT = ("rotor_inertia", "stiffness", "damping")
 DEFAULT_TOLERANCE = 0.05
@@ -113,10 +114,8 @@ def _share_or(given: GivenNumber, otherwise: float) -> float:
 
 
 def _tolerance(model: FlexibleJointModel, *paths: str) -> float:
-    """Tolerance of a number: by its own path, else the default."""
+    """Tolerance of a number: by its own path, else the default, as for one that was unknown and is now given."""
     if not isinstance(model.tolerance, Mapping):
         return float(model.tolerance)
-    for path in (*paths, "*"):
-        if path in model.tolerance:
-            return float(model.tolerance[path])
-    return DEFAULT_TOLERANCE
+    known = known_tolerances(model.tolerance)
+    return float(next((known[path] for path in (*paths, "*") if path in known), DEFAULT_TOLERANCE))

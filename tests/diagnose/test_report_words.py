@@ -251,7 +251,7 @@ def test_a_calibrated_number_stands_beside_what_was_given() -> None:
     moved = (
         Calibration("elbow", "damping", 1.02, 0.01, 0.03),
         Calibration("effects[0]", "stiffness", 0.9, 0.05, 0.1),
-        Calibration("link1", "link_mass", 1.05, 0.01, 0.03),
+        Calibration("link1", "link_com", 1.05, 0.01, 0.03),
     )
     told = _part(dataclasses.replace(cases.no_discrepancy(), calibration=moved, model=model), "calibration")
     assert "<td>1.5 N m s/rad</td><td>1.530</td><td>0.015</td><td>1.501 to 1.559</td><td>+2 %</td>" in told

@@ -18,6 +18,7 @@ ARM = """<robot name="rod"><link name="base"/>
 <link name="rod"><inertial><origin xyz="0.3 0 0"/><mass value="2"/>
 <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
 <joint name="hinge" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 0 1"/></joint></robot>"""
+STRIBECK = {"effect": "stribeck_friction", "joint": "hinge", "side": "motor"}
 UNKNOWN = {"hinge": {"rotor_inertia": "unknown"}}
 
 
@@ -59,6 +60,18 @@ def test_nothing_is_computed_without_the_number(tmp_path: Path, use: Callable[[A
     use(model.replace(joints={"hinge": {"rotor_inertia": 0.1}}))
     with pytest.raises(fd.InputError, match=r"^links.rod.inertia: the number is unknown"):
         use(model.replace(joints={"hinge": {"rotor_inertia": 0.1}}, links={"rod": {"inertia": "unknown"}}))
+
+
+def test_an_unknown_stiffness(tmp_path: Path) -> None:
+    """The joint is elastic; nothing is computed without the number, and a file holds the word."""
+    model = rod(tmp_path, {"hinge": {"rotor_inertia": 0.1, "stiffness": "unknown"}})
+    assert model.elastic.all()
+    with pytest.raises(fd.InputError, match=r"^joints.hinge.stiffness: the number is unknown.*; write it in N m/rad, "):
+        fd.simulate(model, duration=0.1)
+    fd.save_model(model, tmp_path / "model.yaml")
+    assert fd.load_model(tmp_path / "model.yaml").replace(name=model.name) == model == repickled(model)
+    known = model.replace(joints={"hinge": {"stiffness": 50.0}})
+    assert fd.simulate(known, duration=0.1).q.shape == (101, 1)
 
 
 def test_an_inertia_of_a_link_stands_in_place_of_the_urdfs(tmp_path: Path) -> None:
@@ -128,11 +141,15 @@ def test_numbers_of_motors_effects_and_masses_have_absolute_tolerances_too(tmp_p
             "effects[0].offset: this number cannot be unknown, got 'unknown'; leave the effect out: a diagnosis finds",
         ),
         (
+            {"effects": [STRIBECK | {"excess": 1.0, "velocity": "unknown"}]},
+            "effects[0].velocity: this number cannot be unknown, got 'unknown'; leave the effect out: a",
+        ),
+        (
             {"effects": [{"effect": "payload", "mass": {"value": 1.0, "tolerance": 0.2}}]},
             "effects[0].mass: no diagnosis estimates this number; write the number alone",
         ),
         ({"links": {"rod": {"mass": 3.0}}}, "links.rod.mass: the URDF gives it as 2 kg, got 3.0; change it there"),
-        ({"links": {"rod": {"mass": "unknown"}}}, "links.rod.mass: this number cannot be unknown, got 'unknown'"),
+        ({"links": {"base": {"mass": "unknown"}}}, "links.base: the link does not move: its mass has no effect"),
         ({"links": {"rodd": {"mass": 2.0}}}, "links.rodd: no such link; did you mean 'rod'?"),
         ({"links": {"rod": {"com": {"tolerance": 0.1}}}}, "links.rod.com: a link has no such key; known: "),
     ],
@@ -144,10 +161,42 @@ def test_a_tolerance_that_no_diagnosis_can_use_is_refused(tmp_path: Path, change
     assert str(caught.value).startswith(words)
 
 
+def test_unknown_sizes_and_masses_are_written_and_refused(tmp_path: Path) -> None:
+    """A file holds the word; a simulation names key and unit; a number given after all is taken."""
+    friction = {"effect": "coulomb_friction", "joint": "hinge", "side": "motor", "level": "unknown"}
+    effects = [STRIBECK | {"excess": 2.0, "velocity": 0.1}, friction]
+    model = rod(tmp_path, {"hinge": {"rotor_inertia": 0.1}}, effects=effects, links={"rod": {"mass": "unknown"}})
+    fd.save_model(model, tmp_path / "model.yaml")
+    assert fd.load_model(tmp_path / "model.yaml").replace(name=model.name) == model == repickled(model)
+    text = (tmp_path / "model.yaml").read_text(encoding="utf-8")
+    assert "level: unknown" in text
+    assert "mass: unknown" in text
+    assert "inf" not in text.replace("stiffness: .inf", "")
+    with pytest.raises(fd.InputError, match=r"^links.rod.mass: the number is unknown.*; write it in kg, or estimate"):
+        fd.simulate(model, duration=0.1)
+    told = model.replace(links={"rod": {"mass": {"tolerance": 0.2}}})
+    with pytest.raises(fd.InputError, match=r"^effects\[1\].level: the number is unknown.*; write it in N m, or"):
+        fd.simulate(told, duration=0.1)
+    known = told.replace(effects=[model.effects[0], model.effects[1].replace(level=0.5)])
+    assert fd.simulate(known, duration=0.1).q.shape == (101, 1)
+    assert {each.parameter: each.tolerance for each in file_numbers(known)}["level"] == 0.05
+
+
+def test_a_file_says_unknown_and_not_an_infinite_tolerance(tmp_path: Path) -> None:
+    """In one line."""
+    rod(tmp_path)
+    (tmp_path / "model.yaml").write_text(
+        "flexdyn: 1\nrobot: {urdf: rod.urdf}\ntolerance: {links.rod.mass: .inf}\n", encoding="utf-8"
+    )
+    with pytest.raises(fd.InputError, match=r"tolerance.links.rod.mass: a finite number .*; write unknown for the num"):
+        fd.load_model(tmp_path / "model.yaml")
+
+
 @pytest.mark.parametrize(
     ("joint", "words"),
     [
-        ({"stiffness": "unknown"}, "joints.hinge.stiffness: it must be a number, got 'unknown'; leave it out"),
+        ({"stiffness": "unknown"}, "joints.hinge.rotor_inertia: an elastic joint needs it above 0; give the rotor's"),
+        ({"stiffness": 0.0}, "joints.hinge.stiffness: it must be above 0, got 0.0; use .inf for a rigid joint"),
         ({"gear_ratio": "unknown"}, "joints.hinge.gear_ratio: it must be a number, got 'unknown'; all signals"),
         ({"gear_ratio": {"value": 5, "tolerance": 1}}, "joints.hinge.gear_ratio: it must be a number"),
         ({"rotor_inertia": "unknwon"}, "joints.hinge.rotor_inertia: a number is needed, got 'unknwon'"),

@@ -58,6 +58,7 @@ def concluded(plain: Workspace, start: Hypothesis, compared: Posterior, found: C
     tell("opening the test data", 0.85)
     last = on_test(plain, first, found, named, parts[1]) if parts[1] else None
     converged = found.converged and first.stalled is None
+    guessed = any(number.is_open for number in found.hypothesis.factors)  # there is no given model to compare with
     only_noise = None if last is None else is_noise(last.shots, last.left)
     said = verdict(named=bool(named), noise=only_noise, converged=converged)
     answer = known(found, named, compared.noise, parts[0], {} if last is None else last.gains)
@@ -76,7 +77,7 @@ def concluded(plain: Workspace, start: Hypothesis, compared: Posterior, found: C
         fit=statistics(found.fitted),
         trajectories=tuple(each for on in drawn_data for each in trajectories(on)),
         loops=tuple(loop for on in drawn_data if are_prescribed(on.parts) for loop in loops(on.rows.models, on.parts)),
-        no_model=WORSE if first.worse else "",
+        no_model=WORSE if first.worse and not guessed else "",
         stopped=() if converged else stopped(first.stalled or found.fitted),
     )
 

@@ -12,6 +12,8 @@ from flexdyn.diagnose.data.rate import advice, at_needed_rates
 from flexdyn.diagnose.data.windings import with_inductance, with_lagging_current, without_inductance
 from flexdyn.diagnose.decision.background import Progress, beside, shown
 from flexdyn.diagnose.decision.split import Recordings, checked_blocks, parts, without_blocks
+from flexdyn.diagnose.decision.unknown_sizes import with_sizes
+from flexdyn.diagnose.decision.unknown_stiffnesses import with_stiffnesses
 from flexdyn.diagnose.equations.sanity import check_recordings
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
 from flexdyn.diagnose.hypothesis.workspace import prepared, recorded_noise, weighed
@@ -75,7 +77,7 @@ def diagnose(
     import scipy.linalg  # noqa: F401
     from threadpoolctl import threadpool_limits
 
-    model, course = with_guesses(model), Course()
+    course = Course()
     # The number of threads changes the rounding of sums: figures, and close choices, would depend on the machine.
     expected = _in_catalogue(expect)
     with threadpool_limits(limits=1, user_api="blas"), shown(progress) as show:
@@ -129,7 +131,10 @@ def _diagnosed(
     model = without_inductance(model)
     fitted, test = parts(model, fit, check)
     data = tuple(each.data for each in fitted)
-    notes = (*said, *check_recordings(model, data), *advice(model, data))
+    model, rigid = with_stiffnesses(model, data)
+    model = with_sizes(with_guesses(model), data)
+    know(model=model)
+    notes = (*said, *rigid, *check_recordings(model, data), *advice(model, data))
     know(fitted=fitted, notes=notes, noise=recorded_noise(data))
     bare, noise, start = prepared(model, data)
     tell(STAGES[1], 0.05)
@@ -148,6 +153,7 @@ def _found_so_far(model: FlexibleJointModel, course: Course, began: float) -> Di
     known = dict(course.known)
     if "noise" not in known:
         return None
+    model = known["model"]
     answer = interrupted(model, known)
     return dataclasses.replace(_finished(answer, known["notes"], began, model), stopped_at=course.stage)
 

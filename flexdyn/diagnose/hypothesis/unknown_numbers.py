@@ -11,6 +11,7 @@ import numpy as np
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.joint import NUMBERS, Joint
+from flexdyn.model.stated_tolerances import unknown_masses
 from flexdyn.simulation.link_side import LinkSide
 
 START = 0.01
@@ -25,6 +26,8 @@ DAMPING_START, DAMPING_SPREAD = 0.05, 1.0
 LINK_START, LINK_SPREAD = 0.05, 1.0
 """Value and spread of an unknown inertia of a link, as shares of mass times length squared [1]; a slender rod has 1/12.
 """
+MASS_SPREAD = 10.0
+"""Spread of an unknown mass, as a share of the URDF's [1]; the value is that of the URDF."""
 SHORTEST_LINK = 0.05
 """Smallest length of a link [m]."""
 AVERAGED_POSITIONS = 64
@@ -34,8 +37,8 @@ AVERAGED_POSITIONS = 64
 def with_guesses(model: FlexibleJointModel) -> FlexibleJointModel:
     """The model with a first value and a broad prior for every number that is unknown or given as 0 with a tolerance.
 
-    The prior is normal about that value; its width is `ROTOR_SPREAD`, `DAMPING_SPREAD` or `LINK_SPREAD`, or the
-    absolute tolerance.
+    The prior is normal about that value; its width is `ROTOR_SPREAD`, `DAMPING_SPREAD`, `LINK_SPREAD` or `MASS_SPREAD`,
+    or the absolute tolerance. Unknown sizes of effects stay: only a recording has a scale for them.
 
     Args:
         model: as given.
@@ -43,6 +46,9 @@ def with_guesses(model: FlexibleJointModel) -> FlexibleJointModel:
     Raises:
         InputError: an unknown rotor in a joint whose links move no inertia: there is no scale for it.
     """
+    if isinstance(model.tolerance, Mapping) and (masses := unknown_masses(model.tolerance, model.robot.frame_names)):
+        wide = {f"links.{link}.mass": MASS_SPREAD for link in masses}
+        model = model.replace(tolerance={**model.tolerance, **wide})
     if any(number.value == 0.0 for number in model.links.values()):
         model = model.replace(links={link: _link_guess(model, link) for link in model.links})
     open_ = [name for name, joint in model.joints.items() if any(_is_open(joint, key) for key in NUMBERS)]

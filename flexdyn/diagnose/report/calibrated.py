@@ -36,7 +36,9 @@ def estimate(model: FlexibleJointModel, entry: Calibration) -> Number:
 
 
 def given_number(model: FlexibleJointModel, of: str, parameter: str) -> tuple[float, str]:
-    """A number of the model file as given, with its unit; of a link's the factor 1, as its URDF has the number.
+    """A number of the model file as given, with its unit; of a link's centre of mass and inertia the factor 1.
+
+    These have several components, which the URDF has.
 
     Args:
         model: corrected; its joints and effects hold what was given, and parameter errors what became of it.
@@ -59,6 +61,8 @@ def _number_of(model: FlexibleJointModel, of: str, parameter: str) -> tuple[floa
         joint = model.joints[of]
         holder = joint.actuator.dc_motor if parameter in OF_MOTOR and joint.actuator is not None else joint
         return float(getattr(holder, parameter)), UNITS[parameter][model.robot.angle_unit(of) == "m"]
+    if parameter == "link_mass":
+        return model.robot.link_size(of)[0], "kg"
     if of in model.links and parameter == "link_inertia":
         return model.links[of].value, UNITS["rotor_inertia"][0]
     return math.nan, FACTOR

@@ -21,6 +21,7 @@ from flexdyn.io.yaml import dump_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import model_to_dict
 from flexdyn.model.resolved_parameters import OF_LINK, OF_URDF, factors_of
+from flexdyn.model.uncertain_parameters import UNKNOWN_TOLERANCE
 from flexdyn.robot.rewrite import corrected_urdf
 
 PAGE, JSON = "report.html", "report.json"
@@ -132,6 +133,8 @@ def _tolerance(model: FlexibleJointModel) -> Any:
     places = {old: new for new, old in enumerate(kept)}
     found = {}
     for path, value in model.tolerance.items():
+        if value >= UNKNOWN_TOLERANCE:
+            continue  # it was unknown; now the model has its estimate
         match = EFFECT_PATH.fullmatch(path)
         if match is None:
             found[path] = value
