@@ -16,6 +16,7 @@ from flexdyn.diagnose.equations.hidden_links import hidden_links_error, noise_of
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import of_joint, torque_slope
+from flexdyn.diagnose.lazy import last
 
 Coefficient = float | Array
 """One number, or one for each time (times,)."""
@@ -66,8 +67,9 @@ class Whitener:
         _core.whiten_apart(self.factor, self.mask, np.ascontiguousarray(raw), white)
 
 
+@last
 def whitener(equations: Equations, noise: SampleNoise, mask: Flags, extra: Array | None = None) -> Whitener:
-    """The whitening of the equations' rows.
+    """The whitening of the equations' rows; they keep it.
 
     Noise passes the same filters as the motion; a residual is ``sum_c sum_o C_co(t) d^o/dt^o n_c``, its covariance
     over a lag l of rows ``sum C_co(t + l) C_cp(t) R_op(l) sigma_c^2`` with the kernels' correlations R.
@@ -108,7 +110,7 @@ def kernels_of(equations: Equations) -> dict[str, list[Array]]:
 
 def coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, dict[int, Terms]]:
     """C by channel, order of derivative and equation, in units of its rows; those that are zero are left out."""
-    M = along.M[equations.filters.instants(len(along.t))].transpose(1, 2, 0).copy()
+    M = along.inertias(equations.filters).transpose(1, 2, 0).copy()
     found: dict[Channel, dict[int, Terms]] = {}
     # Positions that are computed from a limited torque are right to first order only: they err by as much as its noise.
     exact = not equations.computed.any()

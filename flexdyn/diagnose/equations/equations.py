@@ -28,6 +28,8 @@ from flexdyn.simulation.link_side import LinkSide
 Torques = tuple[Array | None, Array | None, Array | None]
 """In a joint's equations of the motor, of the link and of the torque sensor (samples,) each; None: nothing."""
 
+MODELS_KEPT = 4
+"""Other models of the same data whose equations are kept: fits, weights and odds ask for the same ones again."""
 TORQUES_KEPT = 4
 """Motions of each recording whose torques of the links are kept: behind each of two filters, of two models."""
 
@@ -98,6 +100,16 @@ class Equations(EquationLayout):
         return left if self.error is None else left - self.error
 
     def of(self, model: FlexibleJointModel) -> Equations:
+        """The same data with another model; the last ones are kept."""
+        found = next((each for each in self._others if each.model == model), None) or self._with(model)
+        self._others[:] = [found, *(each for each in self._others if each is not found)][:MODELS_KEPT]
+        return found
+
+    @lazy
+    def _others(self) -> list[Equations]:
+        return []
+
+    def _with(self, model: FlexibleJointModel) -> Equations:
         """The same data with another model; motions are shared if the models do not change them."""
         own = self.true.stiffness if self.stiffness is None else self.stiffness
         other = self._sharing(model=model, stiffness=own)
@@ -130,7 +142,7 @@ class Equations(EquationLayout):
 
     def change(self, effects: Sequence[Effect]) -> Array:
         """Change of the residual (rows,) where the model has these effects; all equations are computed again."""
-        return self.of(self.model.replace(effects=effects)).residual - self.residual
+        return self._with(self.model.replace(effects=effects)).residual - self.residual
 
     def of_terms(self, j: int, terms: Callable[[SmoothedMotion], Torques]) -> Array:
         """The contribution of torques in one joint's equations to the rows (rows,)."""

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.computed_positions import computed_positions
 from flexdyn.diagnose.equations.held_torque import HeldTorque, centred
 from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.equations.shared import LinkTorques
-from flexdyn.diagnose.lazy import lazy
+from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.signals.kernels import GaussianSmoother
 from flexdyn.simulation.link_side import LinkSide
@@ -89,6 +90,11 @@ class SmoothedMotion(Smoothed):
     def M(self) -> Array:
         """Mass matrices (samples, n, n) [kg m^2]."""
         return self.links.mass_matrix(self.q)
+
+    @kept
+    def inertias(self, filters: Filters) -> Array:
+        """Mass matrices at the rows of these filters (times, n, n) [kg m^2]."""
+        return self.links.mass_matrix(self.q[filters.instants(len(self.t))])
 
     @lazy
     def ranges(self) -> tuple[float, float, float]:

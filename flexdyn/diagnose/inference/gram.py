@@ -98,7 +98,7 @@ class Gram:
 
     def _row(self, c: int, first: int = 0) -> Array:
         """Products of one column, the base eliminated, with all from the first one on."""
-        row = self.products.weighted(self.weights, np.array([c]))[0, first:]
+        row = self.products.weighted(self.weights, np.array([c]), first)[0]
         return np.asarray(row - self.V[:, c] @ self.V[:, first : self.used])
 
     def rows(self, columns: Indices) -> Array:
@@ -118,7 +118,7 @@ class Gram:
     def grow(self) -> None:
         """More columns are there now."""
         first, self.used = self.used, self.products.count
-        self._eliminate(self.products.weighted(self.weights, np.arange(self.base))[:, first:], first)
+        self._eliminate(self.products.weighted(self.weights, np.arange(self.base), first), first)
 
     def estimate(self, columns: Indices) -> Estimate:
         """The posterior of one structure, of its own columns alone."""

@@ -146,10 +146,12 @@ class Products:
         found[:, own] = self._own[:, low, high - low]
         return np.asarray(found)
 
-    def weighted(self, weights: Array, columns: Indices) -> Array:
-        """``sum_e w_e X_e^T X_e`` of columns that were taken up with all that are there (columns, count)."""
-        rows = np.tensordot(weights, self._rows[:, self._row[self._source[columns]], : self._kept], 1)
-        return np.asarray(rows[:, self._source[: self.count]])
+    def weighted(self, weights: Array, columns: Indices, first: int = 0) -> Array:
+        """``sum_e w_e X_e^T X_e`` of columns that were taken up with all from the first one on (columns, ...)."""
+        which = self._source[first : self.count]
+        low = int(which.min(initial=self._kept))
+        rows = np.tensordot(weights, self._rows[:, self._row[self._source[columns]], low : self._kept], 1)
+        return np.asarray(rows[:, which - low])
 
     def weighted_own(self, weights: Array, first: int = 0) -> Array:
         """The same of columns from the first one on with those that follow them in their block (columns, width)."""
