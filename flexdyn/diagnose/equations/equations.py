@@ -28,7 +28,7 @@ from flexdyn.simulation.link_side import LinkSide
 Torques = tuple[Array | None, Array | None, Array | None]
 """In a joint's equations of the motor, of the link and of the torque sensor (samples,) each; None: nothing."""
 
-MODELS_KEPT = 4
+MODELS_KEPT = 2
 """Other models of the same data whose equations are kept: fits, weights and odds ask for the same ones again."""
 TORQUES_KEPT = 4
 """Motions of each recording whose torques of the links are kept: behind each of two filters, of two models."""

@@ -112,8 +112,27 @@ class Gram:
 
     def between(self, columns: Indices, others: Indices) -> Array:
         """Products of columns with others, the base eliminated (columns, others)."""
-        whole = np.tensordot(self.weights, self.products.of(columns, others), 1)
-        return np.asarray(whole - self.V[:, columns].T @ self.V[:, others])
+        self._prepare(np.concatenate([columns, others]))
+        found = np.empty((len(columns), len(others)))
+        mine, theirs = ([self._rows.get(c) for c in each.tolist()] for each in (columns, others))
+        for k, row in enumerate(mine):
+            if row is not None:
+                found[k] = row[others]
+        new, also = ([k for k, row in enumerate(rows) if row is None] for rows in (mine, theirs))
+        if new:
+            for k, row in enumerate(theirs):
+                if row is not None:
+                    found[new, k] = row[columns[new]]
+            low, high = (each.outer(columns[new], others[also]) for each in (np.minimum, np.maximum))
+            found[np.ix_(new, also)] = self.own[low, high - low]
+        return found
+
+    def _prepare(self, columns: Indices) -> None:
+        """Make sure that the products of all pairs of these columns are there."""
+        new = columns[[c not in self._rows for c in columns.tolist()]]
+        blocks = self.products.blocks(new)
+        if len(new) and (blocks != blocks.max()).any():  # those of one block are there
+            self.rows(new[blocks != blocks.max()])
 
     def grow(self) -> None:
         """More columns are there now."""

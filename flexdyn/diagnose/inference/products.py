@@ -134,6 +134,11 @@ class Products:
         if len(blocks) > 1:  # those of one block are there
             self.take_up(columns[np.isin(self._block[kept], blocks[:-1])])
 
+    def blocks(self, columns: Indices) -> Indices:
+        """A number for each column, the same for those that were put together: these have their products beforehand."""
+        kept = self._source[columns]
+        return self._block[kept] * len(self._source) + columns - kept
+
     def of(self, columns: Indices, others: Indices) -> Array:
         """X^T X of some columns with others (equations, columns, others)."""
         self.prepare(np.concatenate([columns, others]))
@@ -166,8 +171,10 @@ class Products:
         held = self._held.shape[1]
         held = held if np.array_equal(columns[:held], np.arange(held)) else 0
         own, others, one, other = columns[:held], columns[held:], values[:held], values[held:]
-        crossed = _form(self._held, one, one) if held else 0.0
-        crossed += 2.0 * _form(self.of(own, others), one, other) + _form(self.of(others, others), other, other)
+        crossed = _form(self.of(others, others), other, other)
+        if held:  # they were taken up: their products with all others are there
+            between = self._rows[:, self._row[self._source[own]][:, None], self._source[others]]
+            crossed += _form(self._held, one, one) + 2.0 * _form(between, one, other)
         return np.asarray(np.maximum(self.yy - 2.0 * self.b[:, columns] @ values + crossed, 0.0))
 
     def sum(self, columns: Indices, values: Array) -> Array:
