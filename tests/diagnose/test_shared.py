@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose.equations.shared import LinkTorques
+from flexdyn.diagnose.equations.shared import Shared
 
 Array = NDArray[np.float64]
 GRAVITY, LENGTH, INERTIA = 9.81, 0.5, 0.02
@@ -46,12 +46,12 @@ def wanted(mass: float, q: Array, a: Array) -> Array:
 def test_torques_are_those_of_the_arm_and_the_motion_asked_for(room: int, bare: fd.FlexibleJointModel) -> None:
     """Two arms and two motions in turn, each made anew, with room for all of them and for one."""
     t = np.linspace(0.0, 2.0, 50)[:, None]
-    torques = LinkTorques(room)
+    shared = Shared(room)
     for _ in range(3):
         for more in (0.0, 0.4):
             for w in (1.0, 2.0):
                 q, v, a = np.sin(w * t), w * np.cos(w * t), -(w**2) * np.sin(w * t)
-                found = torques.of(heavier(bare, more), q, v, a)
+                found = shared.torques(heavier(bare, more), q, v, a)
                 np.testing.assert_allclose(found, wanted(1.0 + more, q, a), rtol=1e-12, atol=1e-12)
 
 

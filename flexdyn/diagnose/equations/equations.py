@@ -16,7 +16,7 @@ from flexdyn.diagnose.data.sensors import corrected
 from flexdyn.diagnose.equations.layout import MOTOR, EquationLayout
 from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
 from flexdyn.diagnose.equations.rest import Rests
-from flexdyn.diagnose.equations.shared import LinkTorques, same_links, same_signals
+from flexdyn.diagnose.equations.shared import Shared, same_links, same_signals
 from flexdyn.diagnose.equations.terms import joint_terms, of_joint, spring_torque
 from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.diagnose.parallel import SILENT, in_parallel
@@ -56,12 +56,12 @@ class Equations(EquationLayout):
     def motions(self) -> tuple[SmoothedMotion, ...]:
         """The smoothed motions, without the sensor effects of the model."""
         bases = self._bases or (None,) * len(self.smoothed)
-        return tuple(motion(self.links, *each, self.torques) for each in zip(self.smoothed, bases, strict=True))
+        return tuple(motion(self.links, *each, self.shared) for each in zip(self.smoothed, bases, strict=True))
 
     @lazy
-    def torques(self) -> LinkTorques:
-        """M a + h along motions that other models of the same data have, too."""
-        return LinkTorques(TORQUES_KEPT * len(self.data))
+    def shared(self) -> Shared:
+        """What other models of the same data ask for, too."""
+        return Shared(TORQUES_KEPT * len(self.data))
 
     @lazy
     def _bases(self) -> tuple[SmoothedMotion, ...]:
@@ -79,7 +79,7 @@ class Equations(EquationLayout):
                 self.filters.first,
                 rests,
                 simulated=self.simulated,
-                torques=self.torques,
+                shared=self.shared,
             )
             for data, rests in zip(self.data, self.rests, strict=True)
         )
@@ -137,7 +137,7 @@ class Equations(EquationLayout):
     def _sharing(self, **changes: Any) -> Equations:
         """The same with some changes; motors rest where they did, and torques that are known are kept."""
         other = replace(self, **changes)
-        other.__dict__["rests"], other.__dict__["torques"] = self.rests, self.torques
+        other.__dict__["rests"], other.__dict__["shared"] = self.rests, self.shared
         return other
 
     def change(self, effects: Sequence[Effect]) -> Array:

@@ -130,9 +130,10 @@ class Gram:
     def _prepare(self, columns: Indices) -> None:
         """Make sure that the products of all pairs of these columns are there."""
         new = columns[[c not in self._rows for c in columns.tolist()]]
-        blocks = self.products.blocks(new)
-        if len(new) and (blocks != blocks.max()).any():  # those of one block are there
-            self.rows(new[blocks != blocks.max()])
+        if len(new):
+            blocks, dear = self.products.blocks(new), ~self.products.taken_up(new)
+            last = blocks[dear if dear.any() else slice(None)].max()  # those of one block are there
+            self.rows(new[blocks != last])
 
     def grow(self) -> None:
         """More columns are there now."""

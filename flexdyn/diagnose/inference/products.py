@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
-from flexdyn.arrays import Array, Indices
+from flexdyn.arrays import Array, Flags, Indices
 
 Columns = NDArray[np.float32]
 COLUMNS_AT_ONCE = 256
@@ -134,6 +134,10 @@ class Products:
         if len(blocks) > 1:  # those of one block are there
             self.take_up(columns[np.isin(self._block[kept], blocks[:-1])])
 
+    def taken_up(self, columns: Indices) -> Flags:
+        """Which columns have their products with all others (columns,)."""
+        return np.asarray(self._row[self._source[columns]] >= 0)
+
     def blocks(self, columns: Indices) -> Indices:
         """A number for each column, the same for those that were put together: these have their products beforehand."""
         kept = self._source[columns]
@@ -154,9 +158,11 @@ class Products:
     def weighted(self, weights: Array, columns: Indices, first: int = 0) -> Array:
         """``sum_e w_e X_e^T X_e`` of columns that were taken up with all from the first one on (columns, ...)."""
         which = self._source[first : self.count]
-        low = int(which.min(initial=self._kept))
-        rows = np.tensordot(weights, self._rows[:, self._row[self._source[columns]], low : self._kept], 1)
-        return np.asarray(rows[:, which - low])
+        low, mine = int(which.min(initial=self._kept)), self._row[self._source[columns]]
+        found = np.zeros((len(columns), self._kept - low))
+        for weight, rows in zip(weights, self._rows, strict=True):
+            found += weight * rows[mine, low : self._kept]
+        return found[:, which - low]
 
     def weighted_own(self, weights: Array, first: int = 0) -> Array:
         """The same of columns from the first one on with those that follow them in their block (columns, width)."""
