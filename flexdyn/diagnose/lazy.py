@@ -48,8 +48,8 @@ def last(compute: Callable[Concatenate[Any, Key], Value]) -> Callable[Concatenat
     @functools.wraps(compute)
     def known(self: Any, /, *given: Key.args, **named: Key.kwargs) -> Value:
         now = (*given, *named.values())
-        before, value = self.__dict__.get(place, ((), None))
-        if len(before) != len(now) or any(one is not other for one, other in zip(before, now, strict=True)):
+        before, value = self.__dict__.get(place, (None, None))
+        if before is None or list(map(id, before)) != list(map(id, now)):
             value = compute(self, *given, **named)
             self.__dict__[place] = now, value
         return value

@@ -131,9 +131,10 @@ class Gram:
         """Make sure that the products of all pairs of these columns are there."""
         new = columns[[c not in self._rows for c in columns.tolist()]]
         if len(new):
-            blocks, dear = self.products.blocks(new), ~self.products.taken_up(new)
-            last = blocks[dear if dear.any() else slice(None)].max()  # those of one block are there
-            self.rows(new[blocks != last])
+            # Those of one block are there: best of one that would have to be multiplied with all others.
+            blocks, fresh = self.products.blocks(new), ~self.products.taken_up(new)
+            left_out = blocks[fresh if fresh.any() else slice(None)].max()
+            self.rows(new[blocks != left_out])
 
     def grow(self) -> None:
         """More columns are there now."""
