@@ -249,7 +249,7 @@ def test_equations_of_the_last_models_are_kept() -> None:
     """Of equal models they are the same ones; of one that others followed they are computed anew, and are equal."""
     given = equations(Levels(1e-6, 1e-3), 0, MOTOR)
     levels = [0.1 * k for k in range(MODELS_KEPT + 1)]
-    models = [given.model.replace(effects=[fd.effects.CoulombFriction("elbow", level=each)]) for each in levels]
+    models = [given.model.replace(effects=[fd.effects.CoulombFriction("elbow", side="motor", level=x)]) for x in levels]
     first, *others = (given.of(each) for each in models)
     assert given.of(models[-1].replace()) is others[-1]
     again = given.of(models[0])

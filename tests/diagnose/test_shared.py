@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose.equations.shared import Shared
+from flexdyn.diagnose.equations.shared import SharedResults
 from flexdyn.records.signals.kernels import GaussianSmoother
 
 Array = NDArray[np.float64]
@@ -47,7 +47,7 @@ def wanted(mass: float, q: Array, a: Array) -> Array:
 def test_torques_are_those_of_the_arm_and_the_motion_asked_for(room: int, bare: fd.FlexibleJointModel) -> None:
     """Two arms and two motions in turn, each made anew, with room for all of them and for one."""
     t = np.linspace(0.0, 2.0, 50)[:, None]
-    shared = Shared(room)
+    shared = SharedResults(room)
     for _ in range(3):
         for more in (0.0, 0.4):
             for w in (1.0, 2.0):
@@ -59,7 +59,7 @@ def test_torques_are_those_of_the_arm_and_the_motion_asked_for(room: int, bare: 
 @pytest.mark.parametrize("room", [1, 4])
 def test_filtered_signals_are_those_asked_for(room: int) -> None:
     """Signals that agree at the samples by which they are told apart, in turn, and more of them than there is room."""
-    kernel, shared = GaussianSmoother.of_width(0.004, 0.001), Shared(room)
+    kernel, shared = GaussianSmoother.of_width(0.004, 0.001), SharedResults(room)
     signals = [np.zeros((160, 2)) for _ in range(12)]
     for k, x in enumerate(signals):
         x[1 + 10 * k % 150] = k + 1.0

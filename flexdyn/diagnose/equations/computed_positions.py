@@ -7,7 +7,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.rest import Rests
-from flexdyn.diagnose.equations.shared import Shared
+from flexdyn.diagnose.equations.shared import SharedResults
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import DeflectionEffect, JointEffect, MemoryEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -29,7 +29,7 @@ def computed_positions(
     data: Measured,
     kernel: GaussianSmoother,
     rests: Rests | None,
-    shared: Shared,
+    shared: SharedResults,
 ) -> tuple[Array, Array]:
     """Link and rotor positions; missing ones are computed from the law of the transmission.
 

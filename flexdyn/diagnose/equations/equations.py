@@ -16,7 +16,7 @@ from flexdyn.diagnose.data.sensors import corrected
 from flexdyn.diagnose.equations.layout import MOTOR, EquationLayout
 from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
 from flexdyn.diagnose.equations.rest import Rests
-from flexdyn.diagnose.equations.shared import Shared, same_links, same_signals
+from flexdyn.diagnose.equations.shared import SharedResults, same_links, same_signals
 from flexdyn.diagnose.equations.terms import joint_terms, of_joint, spring_torque
 from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.diagnose.parallel import SILENT, in_parallel
@@ -59,9 +59,9 @@ class Equations(EquationLayout):
         return tuple(motion(self.links, *each, self.shared) for each in zip(self.smoothed, bases, strict=True))
 
     @lazy
-    def shared(self) -> Shared:
+    def shared(self) -> SharedResults:
         """What other models of the same data ask for, too."""
-        return Shared(TORQUES_KEPT * len(self.data))
+        return SharedResults(TORQUES_KEPT * len(self.data))
 
     @lazy
     def _bases(self) -> tuple[SmoothedMotion, ...]:

@@ -15,7 +15,7 @@ from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.computed_positions import computed_positions
 from flexdyn.diagnose.equations.held_torque import HeldTorque, centred
 from flexdyn.diagnose.equations.rest import Rests
-from flexdyn.diagnose.equations.shared import Shared
+from flexdyn.diagnose.equations.shared import SharedResults
 from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.signals.kernels import GaussianSmoother
@@ -136,7 +136,7 @@ class SmoothedMotion(Smoothed):
 
 
 def motion(
-    links: LinkSide, signals: Smoothed, base: SmoothedMotion | None = None, shared: Shared | None = None
+    links: LinkSide, signals: Smoothed, base: SmoothedMotion | None = None, shared: SharedResults | None = None
 ) -> SmoothedMotion:
     """The links' dynamics along smoothed signals.
 
@@ -146,7 +146,7 @@ def motion(
         base: motion of another model in the same recording, whose slopes are used if it is similar.
         shared: what other models may have asked for; None: nothing.
     """
-    total = (shared or Shared(1)).torques(links, signals.q, signals.v, signals.a)
+    total = (shared or SharedResults(1)).torques(links, signals.q, signals.v, signals.a)
     made = SmoothedMotion(**vars(signals), links=links, inverse_dynamics=total)
     return dataclasses.replace(made, near=base) if base is not None and _alike(made, base) else made
 
@@ -168,7 +168,7 @@ def smoothed(
     rests: Rests | None = None,
     *,
     simulated: bool = False,
-    shared: Shared | None = None,
+    shared: SharedResults | None = None,
 ) -> Smoothed:
     """Smooth a recording.
 
@@ -184,7 +184,7 @@ def smoothed(
     A joint with one encoder gets the other position from its own equation (`computed_positions`), or by simulation
     where its motion is prescribed (`replayed`). The whole motion is then filtered once more.
     """
-    shared = shared or Shared(1)
+    shared = shared or SharedResults(1)
     q = np.where(data.has_q, data.q, data.theta)
     theta = np.where(data.has_theta, data.theta, q)
     tau = centred(data.tau)

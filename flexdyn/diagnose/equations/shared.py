@@ -13,20 +13,20 @@ from flexdyn.model.resolved_parameters import OF_LINK
 from flexdyn.records.signals.kernels import GaussianSmoother
 from flexdyn.simulation.link_side import LinkSide
 
-FILTERED = 8
+SIGNALS_KEPT = 8
 """Filtered signals that are kept for each motion of the links."""
 PROBES = 16
 """Samples by which signals are told apart before all are compared."""
 
 
-class Shared:
+class SharedResults:
     """M a + h along motions of the links, and signals after the first filter; the last ones are kept.
 
     Where links are measured, and positions of rotors computed, all models with the same links ask for the same torques.
     All models ask for the same measured signals.
 
     Args:
-        room: torques that are kept, at most; `FILTERED` times as many signals.
+        room: torques that are kept, at most; `SIGNALS_KEPT` times as many signals.
     """
 
     def __init__(self, room: int) -> None:
@@ -41,7 +41,7 @@ class Shared:
         if before is None or found is None or not (before is x or np.array_equal(before, x)):
             before, found = x, lock(kernel.apply(x, order))
         self._filtered[place] = before, found  # the last one is the first that is kept
-        for oldest in list(self._filtered)[: -FILTERED * self.room]:
+        for oldest in list(self._filtered)[: -SIGNALS_KEPT * self.room]:
             self._filtered.pop(oldest, None)
         return found
 
