@@ -32,6 +32,15 @@ void banded(Matrix band, Table factor) {
   by_rows(band.data(), band.shape(0), band.shape(1), factor.data());
 }
 
+void covariance(Read<double, nb::ndim<3>> terms, Read<double, nb::ndim<3>> weights, Table band) {
+  const std::size_t times = terms.shape(0), count = terms.shape(1), many = terms.shape(2), lags = weights.shape(0);
+  require(shaped(weights, {lags, count, count}) && lags > 0, "weights are (lags, terms, terms)");
+  require(band.shape(0) == times * many && lags * many <= band.shape(1), "a row for every equation and time");
+  if (terms.size() == 0 || band.size() == 0) return;
+  nb::gil_scoped_release release;
+  noise_band(terms.data(), times, count, many, weights.data(), lags, band.data(), band.shape(1));
+}
+
 void white(Matrix factor, Flags masked, Matrix raw, Table out) {
   const BandFactor band = checked(factor, masked, raw);
   require(shaped(out, {raw.shape(0), band.rows}), "as many white rows as raw ones");
@@ -67,6 +76,7 @@ void products(Read<float, nb::ndim<2>> one, Read<std::int64_t, nb::ndim<1>> whic
 void bind_rows(nb::module_& m) {
   m.def("filter_rows", &filtered, nb::arg("x"), nb::arg("taps"), nb::arg("every"), nb::arg("out"));
   m.def("mixed_products", &products, nb::arg("one"), nb::arg("which"), nb::arg("other"), nb::arg("out"));
+  m.def("noise_band", &covariance, nb::arg("terms"), nb::arg("weights"), nb::arg("band"));
   m.def("by_rows", &banded, nb::arg("band"), nb::arg("factor"));
   m.def("whiten", &white, nb::arg("factor"), nb::arg("masked"), nb::arg("raw"), nb::arg("out"));
   m.def("whiten_apart", &white_apart, nb::arg("factor"), nb::arg("masked"), nb::arg("raw"), nb::arg("out"));

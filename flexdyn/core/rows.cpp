@@ -132,6 +132,37 @@ FLEXDYN_CLONES void filter_rows(const double* x, std::size_t columns, const doub
   }
 }
 
+FLEXDYN_CLONES void noise_band(const double* terms, std::size_t times, std::size_t count, std::size_t many,
+                               const double* weights, std::size_t lags, double* band, std::size_t width) {
+  std::vector<std::size_t> beside, ends;  // the terms that each one has a covariance with, lag by lag: few
+  for (std::size_t place = 0; place < lags * count; ++place) {
+    for (std::size_t m = 0; m < count; ++m) {
+      if (weights[place * count + m] != 0.0) beside.push_back(m);
+    }
+    ends.push_back(beside.size());
+  }
+  std::vector<double> seen(many);
+  for (std::size_t t = 0; t < times; ++t) {
+    const double* now = terms + t * count * many;
+    for (std::size_t place = 0, each = 0; place < std::min(lags, times - t) * count; ++place) {
+      if (each == ends[place]) continue;
+      std::fill(seen.begin(), seen.end(), 0.0);
+      for (; each < ends[place]; ++each) {
+        const double weight = weights[place * count + beside[each]];
+        const double* own = now + beside[each] * many;
+        for (std::size_t b = 0; b < many; ++b) seen[b] += weight * own[b];
+      }
+      const std::size_t lag = place / count;
+      const double* later = now + (lag * count + place % count) * many;
+      for (std::size_t b = 0; b < many; ++b) {
+        if (seen[b] == 0.0) continue;
+        double* row = band + (t * many + b) * width + lag * many - b;
+        for (std::size_t a = lag ? 0 : b; a < many; ++a) row[a] += later[a] * seen[b];
+      }
+    }
+  }
+}
+
 FLEXDYN_CLONES void mixed_products(const float* one, const std::int64_t* which, std::size_t columns,
                                    const double* other, std::size_t others, std::size_t rows, double* out) {
   for (std::size_t i = 0; i < columns; ++i) {

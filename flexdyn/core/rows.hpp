@@ -21,6 +21,12 @@ struct BandFactor {
 // Such a factor of one column by column, as LAPACK has it: band[j * width + d] = L(j + d, j).
 void by_rows(const double* band, std::size_t rows, std::size_t width, double* factor);
 
+// Adds the covariance of rows from noise: band[(t * many + b) * width + lag * many + a - b] is that of row a of `many`
+// equations, `lag` times after t, with row b at t. Term k has the coefficients terms[(t * count + k) * many + row];
+// weights[(lag * count + k) * count + m] is the covariance of the noise in term k, `lag` times later, with that in term m.
+void noise_band(const double* terms, std::size_t times, std::size_t count, std::size_t many, const double* weights,
+                std::size_t lags, double* band, std::size_t width);
+
 // L^-1 of many columns, each contiguous (columns, rows).
 void whiten(const BandFactor& band, const double* raw, std::size_t columns, double* white);
 

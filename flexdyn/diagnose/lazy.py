@@ -41,6 +41,22 @@ class lazy(Generic[Value]):
         return value
 
 
+def last(compute: Callable[Concatenate[Any, Key], Value]) -> Callable[Concatenate[Any, Key], Value]:
+    """A function of an object, which keeps its last result as long as the other arguments are the same objects."""
+    place = f"{compute.__name__} last"
+
+    @functools.wraps(compute)
+    def known(self: Any, /, *given: Key.args, **named: Key.kwargs) -> Value:
+        now = (*given, *named.values())
+        before, value = self.__dict__.get(place, (None, None))
+        if before is None or list(map(id, before)) != list(map(id, now)):
+            value = compute(self, *given, **named)
+            self.__dict__[place] = now, value
+        return value
+
+    return known
+
+
 def kept(compute: Callable[Concatenate[Any, Key], Value]) -> Callable[Concatenate[Any, Key], Value]:
     """A method whose results an object keeps, by their arguments; these are hashable and have no names."""
     place = f"{compute.__name__} kept"

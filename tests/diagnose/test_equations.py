@@ -13,7 +13,7 @@ from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.covariance import SampleNoise, whitener
-from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.equations import MODELS_KEPT, Equations
 from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.equations.sensor_columns import of_lag_shape
 from flexdyn.diagnose.hypothesis import number_columns
@@ -243,6 +243,18 @@ def test_slopes_of_the_links_are_those_of_a_motion_that_is_near(offset: float, s
     lag = fd.effects.ChannelLag("q.elbow", delay=1e-4)
     one, other = (columns.of_effect(each, lag, 1e-4) for each in (there, alone))
     np.testing.assert_allclose(one, other, atol=0.005 * np.abs(other).max())
+
+
+def test_equations_of_the_last_models_are_kept() -> None:
+    """Of equal models they are the same ones; of one that others followed they are computed anew, and are equal."""
+    given = equations(Levels(1e-6, 1e-3), 0, MOTOR)
+    levels = [0.1 * k for k in range(MODELS_KEPT + 1)]
+    models = [given.model.replace(effects=[fd.effects.CoulombFriction("elbow", side="motor", level=x)]) for x in levels]
+    first, *others = (given.of(each) for each in models)
+    assert given.of(models[-1].replace()) is others[-1]
+    again = given.of(models[0])
+    assert again is not first
+    np.testing.assert_array_equal(again.residual, first.residual)
 
 
 @pytest.mark.parametrize(("parameter", "shared"), [("stiffness", True), ("link_mass", False)])

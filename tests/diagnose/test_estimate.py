@@ -132,7 +132,7 @@ def test_a_fit_begins_with_numbers_bent_only_where_data_speaks_for_them(right: b
 def test_a_fit_whose_slopes_lead_up_goes_down_along_differences() -> None:
     """Slopes of the file's numbers with the wrong sign: Gauss-Newton stays, differences find the least squares."""
     space, start = problem(fd.effects.ParameterError("link2", parameter="link_com", factor=1.03))
-    stalled = fit(start, dataclasses.replace(space, numbers=-space.numbers))
+    stalled = fit(start, dataclasses.replace(space, slopes=-space.slopes))
     made, lowest = descended(stalled), least(space, start)
     assert stalled.reached > 100.0 * lowest
     assert made.stationary

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from flexdyn.diagnose.lazy import lazy
+from flexdyn.diagnose.lazy import last, lazy
 from flexdyn.diagnose.parallel import in_parallel
 
 
@@ -38,4 +38,29 @@ def test_a_value_is_computed_once_and_described() -> None:
     other = Slow(threading.Barrier(1))
     other.__dict__["value"] = 8
     assert (other.value, other.asked) == (8, 0)
+
+
+class Counted:
+    """Counts how often something is computed."""
+
+    def __init__(self) -> None:
+        self.asked = 0
+
+
+@last
+def longest(one: Counted, *words: list[str]) -> int:
+    """Length of the longest list."""
+    one.asked += 1
+    return max(map(len, words), default=0)
+
+
+def test_the_last_result_is_kept_for_the_same_objects() -> None:
+    """Equal ones are others; what came before the last one is computed again; each object has its own."""
+    one, short, long = Counted(), ["a"], ["a", "b"]
+    assert (longest(one), longest(one), one.asked) == (0, 0, 1)
+    assert (longest(one, short), longest(one, short), one.asked) == (1, 1, 2)
+    assert (longest(one, short, long), longest(one, short, list(long)), one.asked) == (2, 2, 4)
+    assert (longest(one, short), one.asked) == (1, 5)
+    other = Counted()
+    assert (longest(other, short), other.asked) == (1, 1)
     assert Slow.value.__doc__ == "Of this object."

@@ -28,6 +28,25 @@ def _whitener(width: int, masked: tuple[int, ...] = ()) -> tuple[Whitener, np.nd
     return Whitener(factor, mask), covariance
 
 
+def test_the_band_of_the_noise_is_that_of_the_dense_covariance() -> None:
+    """Rows are sums of terms, coefficient times noise; the noises have covariances over lags; what is there is kept."""
+    draw = np.random.default_rng(1)
+    times, count, many, lags = 9, 3, 2, 4
+    terms, weights = draw.standard_normal((times, count, many)), draw.standard_normal((lags, count, count))
+    weights[1, 2], weights[:, 0, 1] = 0.0, 0.0
+    wanted = np.zeros((times * many, times * many))
+    pairs = [(t, lag) for t in range(times) for lag in range(min(lags, times - t))]
+    for t, lag in pairs:
+        block = terms[t + lag].T @ weights[lag] @ terms[t]
+        wanted[(t + lag) * many : (t + lag + 1) * many, t * many : (t + 1) * many] = block
+    band = np.ones((times * many, lags * many + 1))
+    _core.noise_band(terms, weights, band)
+    for d in range(band.shape[1]):
+        below = np.diagonal(wanted, -d)
+        np.testing.assert_allclose(band[: len(below), d] - 1.0, below, atol=1e-13)
+        np.testing.assert_array_equal(band[len(below) :, d], 1.0)
+
+
 @pytest.mark.parametrize("width", [1, 2, 7, 40])
 @pytest.mark.parametrize("columns", [0, 1, 15, 16, 33])
 def test_white_rows_are_those_of_the_dense_factor(width: int, columns: int) -> None:

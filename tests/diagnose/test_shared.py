@@ -9,7 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 import flexdyn as fd
-from flexdyn.diagnose.equations.shared import LinkTorques
+from flexdyn.diagnose.equations.shared import SharedResults
+from flexdyn.records.signals.kernels import GaussianSmoother
 
 Array = NDArray[np.float64]
 GRAVITY, LENGTH, INERTIA = 9.81, 0.5, 0.02
@@ -46,13 +47,26 @@ def wanted(mass: float, q: Array, a: Array) -> Array:
 def test_torques_are_those_of_the_arm_and_the_motion_asked_for(room: int, bare: fd.FlexibleJointModel) -> None:
     """Two arms and two motions in turn, each made anew, with room for all of them and for one."""
     t = np.linspace(0.0, 2.0, 50)[:, None]
-    torques = LinkTorques(room)
+    shared = SharedResults(room)
     for _ in range(3):
         for more in (0.0, 0.4):
             for w in (1.0, 2.0):
                 q, v, a = np.sin(w * t), w * np.cos(w * t), -(w**2) * np.sin(w * t)
-                found = torques.of(heavier(bare, more), q, v, a)
+                found = shared.torques(heavier(bare, more), q, v, a)
                 np.testing.assert_allclose(found, wanted(1.0 + more, q, a), rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("room", [1, 4])
+def test_filtered_signals_are_those_asked_for(room: int) -> None:
+    """Signals that agree at the samples by which they are told apart, in turn, and more of them than there is room."""
+    kernel, shared = GaussianSmoother.of_width(0.004, 0.001), SharedResults(room)
+    signals = [np.zeros((160, 2)) for _ in range(12)]
+    for k, x in enumerate(signals):
+        x[1 + 10 * k % 150] = k + 1.0
+    for order in (0, 1, 0, 2, 2):
+        for x in signals:
+            found = shared.filtered(kernel, x.copy(), order)
+            np.testing.assert_array_equal(found, kernel.apply(x, order))
 
 
 def test_links_are_the_same_by_their_numbers(bare: fd.FlexibleJointModel) -> None:

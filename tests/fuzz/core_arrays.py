@@ -132,6 +132,13 @@ def _mixed_products(rng: random.Random) -> Arguments:
     return {"one": one, "which": which, "other": _numbers(rng, others, rows), "out": np.zeros((len(which), others))}
 
 
+def _noise_band(rng: random.Random) -> Arguments:
+    times, terms, many = _lengths(rng, 3)
+    lags = rng.randint(1, 4)
+    band = np.zeros((times * many, lags * many + rng.randint(0, 2)))
+    return {"terms": _numbers(rng, times, terms, many), "weights": _numbers(rng, lags, terms, terms), "band": band}
+
+
 def _by_rows(rng: random.Random) -> Arguments:
     rows, width = _lengths(rng, 2)
     return {"band": _numbers(rng, rows, width), "factor": np.zeros((rows, width))}
@@ -176,6 +183,7 @@ OUTPUTS = ("out", "factor", "gain", "first_gain", "whitener", "carried", "doubt"
 FITTING: dict[str, Callable[[random.Random], Arguments]] = {
     "filter_rows": _filter_rows,
     "mixed_products": _mixed_products,
+    "noise_band": _noise_band,
     "by_rows": _by_rows,
     "whiten": _whiten,
     "whiten_apart": _whiten_apart,

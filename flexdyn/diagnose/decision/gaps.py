@@ -104,5 +104,7 @@ def windows_of(
 
 
 def shots(models: Sequence[FlexibleJointModel], windows: Windows) -> list[Shot]:
-    """The windows under each model."""
-    return in_parallel(lambda model: shoot(model, windows), models)
+    """The windows under each model; of equal ones, once."""
+    different = list(dict.fromkeys(models))
+    made = dict(zip(different, in_parallel(lambda model: shoot(model, windows), different), strict=True))
+    return [made[model] for model in models]

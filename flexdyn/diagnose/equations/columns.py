@@ -10,6 +10,7 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.sensor_columns import of_sensor
 from flexdyn.diagnose.equations.terms import adds_up, applied_torque, of_joint, own_torque, spreads
+from flexdyn.diagnose.lazy import kept
 from flexdyn.effects import Effect, JointEffect, SensorEffect
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -119,8 +120,9 @@ def _on_its_way(true: FlexibleJointModel, effect: JointEffect, along: SmoothedMo
     return applied_torque([*acting, effect], along, j) - applied_torque(acting, along, j)
 
 
+@kept
 def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -> Array:
-    """Derivative of the residual (rows,) by a parameter of an effect of the model.
+    """Derivative of the residual (rows,) by a parameter of an effect of the model; the equations keep it.
 
     Args:
         equations: of the model with the effect.

@@ -7,7 +7,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.rest import Rests
-from flexdyn.diagnose.equations.shared import LinkTorques
+from flexdyn.diagnose.equations.shared import SharedResults
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import DeflectionEffect, JointEffect, MemoryEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -29,7 +29,7 @@ def computed_positions(
     data: Measured,
     kernel: GaussianSmoother,
     rests: Rests | None,
-    torques: LinkTorques,
+    shared: SharedResults,
 ) -> tuple[Array, Array]:
     """Link and rotor positions; missing ones are computed from the law of the transmission.
 
@@ -47,28 +47,29 @@ def computed_positions(
         data: the recording.
         kernel: the first filter.
         rests: where motors rest whose links are not measured; None: nowhere.
-        torques: of the links.
+        shared: what other models may have asked for.
 
     Returns:
         Positions of links and of rotors after the filter, (samples, n) each [rad or m].
     """
     only_motor, only_link = model.elastic & ~data.has_q, model.elastic & ~data.has_theta
-    smooth_q, smooth_theta = kernel.apply(q, 0), kernel.apply(theta, 0)
+    smooth_q, smooth_theta = (shared.filtered(kernel, each, 0).copy() for each in (q, theta))
     t = data.t[kernel.half : len(data.t) - kernel.half]
     total = np.zeros_like(smooth_q)
     if only_link.any() or rests:  # a joint without link encoder moves nearly like its rotor: q is theta there
-        v, a = kernel.apply(q, 1), kernel.apply(q, 2)
+        v, a = (shared.filtered(kernel, q, order) for order in (1, 2))
     if rests:
-        total = torques.of(links, smooth_q.copy(), v, a)
+        total = shared.torques(links, smooth_q.copy(), v, a)
     if only_motor.any():
-        omega, alpha, smooth_tau = kernel.apply(theta, 1), kernel.apply(theta, 2), kernel.apply(tau, 0)
+        omega, alpha = (shared.filtered(kernel, theta, order) for order in (1, 2))
+        smooth_tau = shared.filtered(kernel, tau, 0)
     for j in np.flatnonzero(only_motor).tolist():
         rubbing = friction_of(model, j, "motor", smooth_theta[:, j], omega[:, j], t)
         given = smooth_tau[:, j] - model.rotor_inertia[j] * alpha[:, j] - rubbing
         carried = _carried(model, j, given, smooth_theta[:, j], omega[:, j], t)
         smooth_q[:, j] -= _wound_by_torque(model, j, rests.instead(j, total[:, j], carried) if rests else carried)
     if only_link.any():
-        total = torques.of(links, smooth_q, v, a)
+        total = shared.torques(links, smooth_q, v, a)
         for j in np.flatnonzero(only_link).tolist():
             rubbing = friction_of(model, j, "link", smooth_q[:, j], v[:, j], t)
             smooth_theta[:, j] = smooth_q[:, j] + _wound_by_torque(model, j, total[:, j] + rubbing)

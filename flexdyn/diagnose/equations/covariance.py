@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.hidden_links import hidden_links_error, noise_of_vibration
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import of_joint, torque_slope
+from flexdyn.diagnose.lazy import last
 
 Coefficient = float | Array
 """One number, or one for each time (times,)."""
@@ -66,8 +68,9 @@ class Whitener:
         _core.whiten_apart(self.factor, self.mask, np.ascontiguousarray(raw), white)
 
 
+@last
 def whitener(equations: Equations, noise: SampleNoise, mask: Flags, extra: Array | None = None) -> Whitener:
-    """The whitening of the equations' rows.
+    """The whitening of the equations' rows; they keep it.
 
     Noise passes the same filters as the motion; a residual is ``sum_c sum_o C_co(t) d^o/dt^o n_c``, its covariance
     over a lag l of rows ``sum C_co(t + l) C_cp(t) R_op(l) sigma_c^2`` with the kernels' correlations R.
@@ -80,35 +83,49 @@ def whitener(equations: Equations, noise: SampleNoise, mask: Flags, extra: Array
     """
     from scipy.linalg import cholesky_banded
 
-    kernels = kernels_of(equations)
-    blocks = [_band(equations, each, noise, kernels) for each in equations.motions]
-    width = max(len(block) for block in blocks)
-    band = np.concatenate([np.pad(block, ((0, width - len(block)), (0, 0))) for block in blocks], axis=1)
-    band[0] += hidden_links_error(equations, noise.theta, kernels["position"][0])
+    kernels, many = kernels_of(equations), len(equations.kinds)
+    counts = [equations.filters.count(len(along.t)) for along in equations.motions]
+    lags = min(len(_correlations(equations.filters, _twice(equations))["tau"]), max(counts))
+    band = np.zeros((many * sum(counts), many * lags))  # (row b, d): covariance of the rows b + d and b
+    parts = np.split(band, many * np.cumsum(counts)[:-1])
+    for along, part in zip(equations.motions, parts, strict=True):
+        _add_noise(equations, along, noise, part, lags)
+    own = band[:, 0]
+    own += hidden_links_error(equations, noise.theta, kernels["position"][0])
     if extra is not None:
-        band[0] += extra
-    band[0] = np.where(mask, band[0] + MASKED * np.median(band[0]), band[0] * (1.0 + 1e-9))
-    by_columns = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
-    factor = np.empty(by_columns.T.shape)
+        own += extra
+    own[:] = np.where(mask, own + MASKED * np.median(own), own * (1.0 + 1e-9))
+    by_columns = cholesky_banded(band.T, lower=True, overwrite_ab=True, check_finite=False)
+    factor = np.empty_like(band)
     _core.by_rows(np.ascontiguousarray(by_columns.T), factor)
     return Whitener(factor, mask)
 
 
 def kernels_of(equations: Equations) -> dict[str, list[Array]]:
     """Whole kernels from a channel's noise to a row, by order of the derivative: of positions, and of torques."""
-    first, second = equations.filters.first.taps, equations.filters.second.taps[0]
+    return _kernels(equations.filters, _twice(equations))
+
+
+def _twice(equations: Equations) -> bool:
+    """Whether the whole motion passes the first filter once more, because a position is computed."""
+    return bool(equations.computed.any() or equations.replayed.any())
+
+
+@lru_cache(maxsize=16)
+def _kernels(filters: Filters, twice: bool) -> dict[str, list[Array]]:
+    first, second = filters.first.taps, filters.second.taps[0]
     whole = [np.convolve(second, taps) for taps in first]
-    if equations.computed.any() or equations.replayed.any():
+    if twice:
         whole = [np.convolve(kernel, first[0]) for kernel in whole]
         whole += [np.convolve(np.convolve(second, once), first[2]) for once in first[1:]]
-        whole.append(np.convolve(np.convolve(equations.filters.second.taps[2], first[1]), first[2]))
+        whole.append(np.convolve(np.convolve(filters.second.taps[2], first[1]), first[2]))
     held = [np.convolve(kernel, [0.5, 0.5]) for kernel in whole]
     return {"position": whole, "tau": held, "tau_s": whole[:1]}
 
 
 def coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, dict[int, Terms]]:
     """C by channel, order of derivative and equation, in units of its rows; those that are zero are left out."""
-    M = along.M[equations.filters.instants(len(along.t))].transpose(1, 2, 0).copy()
+    M = along.inertias(equations.filters).transpose(1, 2, 0).copy()
     found: dict[Channel, dict[int, Terms]] = {}
     # Positions that are computed from a limited torque are right to first order only: they err by as much as its noise.
     exact = not equations.computed.any()
@@ -183,33 +200,32 @@ def _links(
         yield ("q", j), 2, J[j]
 
 
-def _band(equations: Equations, along: SmoothedMotion, noise: SampleNoise, kernels: dict[str, list[Array]]) -> Array:
-    """Lower band of the covariance of one recording's rows."""
-    every, many = equations.filters.every, len(equations.kinds)
-    times = equations.filters.count(len(along.t))
-    length = max(len(k) for group in kernels.values() for k in group)
-    lags = min((length - 1) // every, times - 1)
-    band = np.zeros(((lags + 1) * many, times, many))
-    for (signal, j), orders in coefficients(equations, along).items():
-        variance = float(getattr(noise, signal)[j]) ** 2
-        group = kernels["position" if signal in ("q", "theta") else signal]
-        for lag in range(lags + 1):
-            for o, p in itertools.product(orders, orders):
-                weight = variance * _correlation(group[o], group[p], lag * every)
-                if weight:
-                    _add_products(band, weight, orders[o], orders[p], lag)
-    return band.reshape(len(band), -1)
+def _add_noise(equations: Equations, along: SmoothedMotion, noise: SampleNoise, band: Array, lags: int) -> None:
+    """Add the covariance of one recording's rows to its band (rows, width)."""
+    found, correlations = coefficients(equations, along), _correlations(equations.filters, _twice(equations))
+    terms = [(channel, order) for channel, orders in found.items() for order in orders]
+    table = np.zeros((equations.filters.count(len(along.t)), len(terms), len(equations.kinds)))
+    weights = np.zeros((lags, len(terms), len(terms)))
+    for k, (channel, order) in enumerate(terms):
+        for row, value in found[channel][order].items():
+            table[:, k, row] = value
+        signal, j = channel
+        R = correlations["position" if signal in ("q", "theta") else signal]
+        for m, (other, at) in enumerate(terms):
+            if other == channel:
+                weights[:, k, m] = getattr(noise, signal)[j] ** 2 * R[:lags, order, at]
+    _core.noise_band(table, weights, band)
 
 
-def _add_products(band: Array, weight: float, later: Terms, now: Terms, lag: int) -> None:
-    """Add what two coefficients of one channel make of the covariance at one lag to a band (band, times, equations)."""
-    many, last = band.shape[2], band.shape[1] - lag
-    for (a, one), (b, other) in itertools.product(later.items(), now.items()):
-        place = lag * many + a - b
-        if place >= 0:
-            then = one[lag:] if isinstance(one, np.ndarray) else one
-            before = other[:last] if isinstance(other, np.ndarray) else other
-            band[place, :last, b] += weight * then * before
+@lru_cache(maxsize=16)
+def _correlations(filters: Filters, twice: bool) -> dict[str, Array]:
+    """R between the kernels of each group (lags, orders, orders)."""
+    groups = _kernels(filters, twice)
+    shifts = range(0, max(len(kernel) for group in groups.values() for kernel in group), filters.every)
+    return {
+        name: np.array([[[_correlation(a, b, shift) for b in group] for a in group] for shift in shifts])
+        for name, group in groups.items()
+    }
 
 
 def _correlation(a: Array, b: Array, shift: int) -> float:

@@ -16,7 +16,7 @@ from flexdyn.diagnose.data.sensors import corrected
 from flexdyn.diagnose.equations.layout import MOTOR, EquationLayout
 from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
 from flexdyn.diagnose.equations.rest import Rests
-from flexdyn.diagnose.equations.shared import LinkTorques, same_links, same_signals
+from flexdyn.diagnose.equations.shared import SharedResults, same_links, same_signals
 from flexdyn.diagnose.equations.terms import joint_terms, of_joint, spring_torque
 from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.diagnose.parallel import SILENT, in_parallel
@@ -28,6 +28,8 @@ from flexdyn.simulation.link_side import LinkSide
 Torques = tuple[Array | None, Array | None, Array | None]
 """In a joint's equations of the motor, of the link and of the torque sensor (samples,) each; None: nothing."""
 
+MODELS_KEPT = 2
+"""Other models of the same data whose equations are kept: fits, weights and odds ask for the same ones again."""
 TORQUES_KEPT = 4
 """Motions of each recording whose torques of the links are kept: behind each of two filters, of two models."""
 
@@ -54,12 +56,12 @@ class Equations(EquationLayout):
     def motions(self) -> tuple[SmoothedMotion, ...]:
         """The smoothed motions, without the sensor effects of the model."""
         bases = self._bases or (None,) * len(self.smoothed)
-        return tuple(motion(self.links, *each, self.torques) for each in zip(self.smoothed, bases, strict=True))
+        return tuple(motion(self.links, *each, self.shared) for each in zip(self.smoothed, bases, strict=True))
 
     @lazy
-    def torques(self) -> LinkTorques:
-        """M a + h along motions that other models of the same data have, too."""
-        return LinkTorques(TORQUES_KEPT * len(self.data))
+    def shared(self) -> SharedResults:
+        """What other models of the same data ask for, too."""
+        return SharedResults(TORQUES_KEPT * len(self.data))
 
     @lazy
     def _bases(self) -> tuple[SmoothedMotion, ...]:
@@ -77,7 +79,7 @@ class Equations(EquationLayout):
                 self.filters.first,
                 rests,
                 simulated=self.simulated,
-                torques=self.torques,
+                shared=self.shared,
             )
             for data, rests in zip(self.data, self.rests, strict=True)
         )
@@ -98,6 +100,16 @@ class Equations(EquationLayout):
         return left if self.error is None else left - self.error
 
     def of(self, model: FlexibleJointModel) -> Equations:
+        """The same data with another model; the last ones are kept."""
+        found = next((each for each in self._others if each.model == model), None) or self._with(model)
+        self._others[:] = [found, *(each for each in self._others if each is not found)][:MODELS_KEPT]
+        return found
+
+    @lazy
+    def _others(self) -> list[Equations]:
+        return []
+
+    def _with(self, model: FlexibleJointModel) -> Equations:
         """The same data with another model; motions are shared if the models do not change them."""
         own = self.true.stiffness if self.stiffness is None else self.stiffness
         other = self._sharing(model=model, stiffness=own)
@@ -125,12 +137,12 @@ class Equations(EquationLayout):
     def _sharing(self, **changes: Any) -> Equations:
         """The same with some changes; motors rest where they did, and torques that are known are kept."""
         other = replace(self, **changes)
-        other.__dict__["rests"], other.__dict__["torques"] = self.rests, self.torques
+        other.__dict__["rests"], other.__dict__["shared"] = self.rests, self.shared
         return other
 
     def change(self, effects: Sequence[Effect]) -> Array:
         """Change of the residual (rows,) where the model has these effects; all equations are computed again."""
-        return self.of(self.model.replace(effects=effects)).residual - self.residual
+        return self._with(self.model.replace(effects=effects)).residual - self.residual
 
     def of_terms(self, j: int, terms: Callable[[SmoothedMotion], Torques]) -> Array:
         """The contribution of torques in one joint's equations to the rows (rows,)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -143,29 +144,30 @@ class EquationLayout:
         """
         rows = np.zeros((self.filters.count(len(along.t)), len(self.kinds)))
         each = (motor, link, tau_s if self.sensed else None)
-        motor_, link_, sensor_ = (self._filtered(along, torque, only) for torque in each)
+        motor_, link_, sensor_ = (self._filtered(torque, only) for torque in each)
         # What is simulated leaves nothing in its own equations: `wound` is given with the model's own terms.
-        link_ += self._lifted(along, motor, link, only, None if wound is not None else self._behind(along, link, only))
+        lifted = self._lifted(along, motor, link, only, None if wound is not None else self._behind(along, link, only))
         for place, (j, kind) in enumerate(self.kinds):
             if kind == SENSOR:
-                rows[:, place] = sensor_[:, j]
+                rows[:, place] = sensor_(j)
             elif kind == TOTAL or (kind == MOTOR and not self.true.elastic[j]):
-                rows[:, place] = (link_[:, j] + motor_[:, j]) / self.gains[j]
+                rows[:, place] = (link_(j) + lifted[:, j] + motor_(j)) / self.gains[j]
             elif kind == MOTOR:
-                rows[:, place] = motor_[:, j] / self.gains[j]
+                rows[:, place] = motor_(j) / self.gains[j]
             elif self.true.elastic[j]:
-                rows[:, place] = link_[:, j] / (self.softness if kind == LINK else self.true.stiffness)[j]
+                unit = (self.softness if kind == LINK else self.true.stiffness)[j]
+                rows[:, place] = (link_(j) + lifted[:, j]) / unit
             elif wound is not None:  # rigid: theta should be q
                 unit = self.stiffness[j] if kind == LINK and self.stiffness is not None else 1.0
                 rows[:, place] = unit * self.filters.rows(wound[:, j])
         return rows
 
-    def _filtered(self, along: SmoothedMotion, torque: Array | None, only: int | None) -> Array:
-        """Rows (times, n) of a torque (samples, n), or of one joint alone (samples,)."""
-        rows = np.zeros((self.filters.count(len(along.t)), self.true.n))
-        if torque is not None and torque.any():
-            rows[:, slice(None) if only is None else only] = self.filters.rows(torque)
-        return rows
+    def _filtered(self, torque: Array | None, only: int | None) -> Callable[[int], Array | float]:
+        """Rows by joint (times,) of a torque (samples, n), or of one joint alone (samples,); 0 where there is none."""
+        if torque is None or not torque.any():
+            return lambda j: 0.0
+        rows = self.filters.rows(torque)
+        return lambda j: rows[:, j] if only is None else rows if j == only else 0.0
 
     def _lifted(
         self, along: SmoothedMotion, motor: Array | None, link: Array | None, only: int | None, behind: Array | None

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.computed_positions import computed_positions
 from flexdyn.diagnose.equations.held_torque import HeldTorque, centred
 from flexdyn.diagnose.equations.rest import Rests
-from flexdyn.diagnose.equations.shared import LinkTorques
-from flexdyn.diagnose.lazy import lazy
+from flexdyn.diagnose.equations.shared import SharedResults
+from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.signals.kernels import GaussianSmoother
 from flexdyn.simulation.link_side import LinkSide
@@ -90,6 +91,11 @@ class SmoothedMotion(Smoothed):
         """Mass matrices (samples, n, n) [kg m^2]."""
         return self.links.mass_matrix(self.q)
 
+    @kept
+    def inertias(self, filters: Filters) -> Array:
+        """Mass matrices at the rows of these filters (times, n, n) [kg m^2]."""
+        return self.links.mass_matrix(self.q[filters.instants(len(self.t))])
+
     @lazy
     def ranges(self) -> tuple[float, float, float]:
         """Largest range of a position, of a speed and of a torque M a + h."""
@@ -130,7 +136,7 @@ class SmoothedMotion(Smoothed):
 
 
 def motion(
-    links: LinkSide, signals: Smoothed, base: SmoothedMotion | None = None, torques: LinkTorques | None = None
+    links: LinkSide, signals: Smoothed, base: SmoothedMotion | None = None, shared: SharedResults | None = None
 ) -> SmoothedMotion:
     """The links' dynamics along smoothed signals.
 
@@ -138,9 +144,9 @@ def motion(
         links: the link side.
         signals: of one recording.
         base: motion of another model in the same recording, whose slopes are used if it is similar.
-        torques: of the links, as other models may have asked for them; None: none has.
+        shared: what other models may have asked for; None: nothing.
     """
-    total = (torques or LinkTorques(1)).of(links, signals.q, signals.v, signals.a)
+    total = (shared or SharedResults(1)).torques(links, signals.q, signals.v, signals.a)
     made = SmoothedMotion(**vars(signals), links=links, inverse_dynamics=total)
     return dataclasses.replace(made, near=base) if base is not None and _alike(made, base) else made
 
@@ -162,7 +168,7 @@ def smoothed(
     rests: Rests | None = None,
     *,
     simulated: bool = False,
-    torques: LinkTorques | None = None,
+    shared: SharedResults | None = None,
 ) -> Smoothed:
     """Smooth a recording.
 
@@ -173,11 +179,12 @@ def smoothed(
         kernel: the first filter.
         rests: where motors rest whose links are not measured; None: nowhere.
         simulated: whether all unmeasured links are simulated along the motion of their motors.
-        torques: of the links, as other models may have asked for them; None: none has.
+        shared: what other models may have asked for; None: nothing.
 
     A joint with one encoder gets the other position from its own equation (`computed_positions`), or by simulation
     where its motion is prescribed (`replayed`). The whole motion is then filtered once more.
     """
+    shared = shared or SharedResults(1)
     q = np.where(data.has_q, data.q, data.theta)
     theta = np.where(data.has_theta, data.theta, q)
     tau = centred(data.tau)
@@ -187,18 +194,16 @@ def smoothed(
     held = HeldTorque(data.tau, kernel, 1 + twice)
     if twice:
         resting_links = None if simulated else rests
-        q, theta = computed_positions(
-            model, links, q, theta, tau, data, kernel, resting_links, torques or LinkTorques(1)
-        )
+        q, theta = computed_positions(model, links, q, theta, tau, data, kernel, resting_links, shared)
         q = replayed(model, q, theta, data, t[inner], simulated)
-        tau, tau_s = kernel.apply(tau, 0), kernel.apply(tau_s, 0)
+        tau, tau_s = (shared.filtered(kernel, each, 0) for each in (tau, tau_s))
     elif not data.both.all():  # as many samples as for an elastic joint
         q, theta, tau, tau_s = q[inner], theta[inner], tau[inner], tau_s[inner]
     if not data.both.all():
         t, resting, lost = t[inner], resting[inner], lost + kernel.half
-    own = {name: kernel.apply(q, order) for order, name in enumerate(("q", "v", "a"))}
-    own |= {name: kernel.apply(theta, order) for order, name in enumerate(("theta", "omega", "alpha"))}
-    own |= {"tau": kernel.apply(tau, 0), "tau_s": kernel.apply(tau_s, 0)}
+    own = {name: shared.filtered(kernel, q, order) for order, name in enumerate(("q", "v", "a"))}
+    own |= {name: shared.filtered(kernel, theta, order) for order, name in enumerate(("theta", "omega", "alpha"))}
+    own |= {name: shared.filtered(kernel, each, 0) for name, each in (("tau", tau), ("tau_s", tau_s))}
     return Smoothed(t=t[inner], dt=data.dt, **own, data=data, lost=lost, resting=resting, held=held)
 
 

@@ -86,7 +86,7 @@ def _after_share(base: Fit, share: float, most: float) -> Fit | None:
 
 def _counted(made: Fit, space: Workspace) -> Fit:
     """The fit with the fitted offsets of its encoders in the hypothesis."""
-    first = made.regression.X.shape[1] - space.nuisance.shape[1]
+    first = made.regression.X.shape[1] - space.unknown.shape[1]
     values = made.regression.values[first : first + len(space.channels)]
     counts = tuple(count_of(name, float(x)) for name, x in zip(space.channels, values, strict=True))
     return dataclasses.replace(made, hypothesis=dataclasses.replace(made.hypothesis, counts=counts))

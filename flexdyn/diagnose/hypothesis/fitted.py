@@ -140,9 +140,9 @@ class Workspace:
         equations: of the given model.
         whiten: of their rows.
         noise: of the channels, which determines the weights.
-        numbers: whitened derivatives of the file's numbers (rows, numbers).
-        nuisance: whitened columns of offsets of the encoders, then of first states of simulated links: they are fitted
-            but not reported (rows, k).
+        slopes: derivatives of the file's numbers (rows, numbers).
+        unknown: columns of offsets of the encoders, then of first states of simulated links: they are fitted but not
+            reported (rows, k).
         nuisance_sigma: their standard deviations (k,).
         channels: that have these offsets.
         beliefs: prior of an effect's parameter: distance of its centre from the value, and its standard deviation.
@@ -153,13 +153,29 @@ class Workspace:
     equations: Equations
     whiten: Whitener
     noise: SampleNoise
-    numbers: Array
-    nuisance: Array
+    slopes: Array
+    unknown: Array
     nuisance_sigma: Array
     channels: tuple[str, ...] = ()
     beliefs: Callable[[Effect, str], tuple[float, float]] | None = None
     along: Equations | None = None
     anew: Callable[[Equations], Workspace] | None = None
+
+    @lazy
+    def numbers(self) -> Array:
+        """Whitened derivatives of the file's numbers (rows, numbers)."""
+        return self.whiten(self.slopes)
+
+    @lazy
+    def nuisance(self) -> Array:
+        """Whitened columns of what is fitted but not reported (rows, k)."""
+        return self.whiten(self.unknown)
+
+    def beside_nuisance(self, rows: Array) -> tuple[Array, Array]:
+        """Whitened rows (rows, columns), and `nuisance`: one whitening of many columns takes as long as that of one."""
+        white = self.whiten(np.column_stack([rows, self.unknown]))
+        first = white.shape[1] - self.unknown.shape[1]
+        return white[:, :first], white[:, first:]
 
     def at(self, equations: Equations) -> Workspace:
         """The weights for other equations of the same data."""
@@ -171,7 +187,8 @@ class Workspace:
 
     def without_offsets(self, residual: Array) -> tuple[Array, float]:
         """The same rows, and the sum of squares of these offsets over their standard deviations."""
-        white, offsets = self.whiten(residual), self.nuisance
+        rows, offsets = self.beside_nuisance(residual)
+        white = rows[:, 0]
         loose = np.diag(1.0 / self.nuisance_sigma**2)
         values = np.linalg.solve(offsets.T @ offsets + loose, offsets.T @ white)
         return np.asarray(white - offsets @ values), float(np.sum((values / self.nuisance_sigma) ** 2))

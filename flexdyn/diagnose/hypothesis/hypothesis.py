@@ -11,6 +11,7 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.constants import IN_TOLERANCE
+from flexdyn.diagnose.lazy import kept
 from flexdyn.effects import Effect, SensorOffset
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import FileNumber, with_factors
@@ -41,10 +42,12 @@ class Hypothesis:
     counts: tuple[SensorOffset, ...] = ()
     fits_cycles: bool = False
 
+    @kept
     def model(self) -> FlexibleJointModel:
         """The model of this hypothesis."""
         return with_factors(self.given, self.factors, self.effects)
 
+    @kept
     def seen(self) -> FlexibleJointModel:
         """The model with the offsets of its encoders."""
         return with_factors(self.given, self.factors, (*self.effects, *self.counts))

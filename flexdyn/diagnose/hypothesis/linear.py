@@ -53,7 +53,7 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
         finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
     if not finite:
         raise SimulationError(NOT_FINITE, reason="overflow")
-    nuisances = space.nuisance.shape[1]
+    nuisances = space.unknown.shape[1]
     centre, sigma = priors(hypothesis, space)
     centre, sigma = np.append(centre, np.zeros(nuisances)), np.append(sigma, space.nuisance_sigma)
     regression = Regression(y, X, centre, sigma, space.rows, nuisances)
@@ -99,11 +99,10 @@ def _rows(
         with SILENT():
             return scale * columns.of_parameter(along, effect, name, 0.1 * scale)
 
-    # One whitening of many columns takes as long as that of one.
-    raw = np.array([at.residual, *in_parallel(slope, zip(hypothesis.unknowns(), scales, strict=True))])
-    white = space.whiten(raw.T)
+    slopes = in_parallel(slope, zip(hypothesis.unknowns(), scales, strict=True))
+    white, nuisance = space.beside_nuisance(np.stack([at.residual, *slopes], axis=1))
     numbers = _slopes_of_numbers(hypothesis, along, space) if known is None else known
-    return white[:, 0], np.column_stack([numbers, white[:, 1:], space.nuisance])
+    return white[:, 0], np.column_stack([numbers, white[:, 1:], nuisance])
 
 
 def _at_bounds(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, ...]) -> tuple[int, ...]:
@@ -122,12 +121,13 @@ def reached(hypothesis: Hypothesis, at: Equations, space: Workspace) -> float:
     """`Fit.reached` without computing slopes; infinite if the equations are not finite."""
     space = space.at(at)
     with SILENT():
-        y = space.whiten(at.residual)
+        rows, nuisance = space.beside_nuisance(at.residual)
+        y = rows[:, 0]
         if not np.isfinite(y @ y):
             return math.inf
     centre, sigma = priors(hypothesis, space)
-    nuisances = space.nuisance.shape[1]
-    alone = Regression(y, space.nuisance, np.zeros(nuisances), space.nuisance_sigma, space.rows, nuisances)
+    nuisances = nuisance.shape[1]
+    alone = Regression(y, nuisance, np.zeros(nuisances), space.nuisance_sigma, space.rows, nuisances)
     return alone.at_zero + float(((centre / sigma) ** 2).sum())
 
 
@@ -145,7 +145,7 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) 
     wound = {getattr(e, "joint", None) for e in effects} & computed
     links = bool(wound) or any(n.joint is None for n in far) or any(e.stage == "inertia" for e in effects)
     joints = wound | {getattr(e, "joint", None) for e in effects if isinstance(e, SensorEffect) or e.position_error}
-    anew = [n for n in numbers if n in far or n.joint in joints or (links and n.joint is None)]
+    anew = tuple(n for n in numbers if n in far or n.joint in joints or (links and n.joint is None))
     if not anew:
         return space.numbers
     slopes = space.numbers.copy()

@@ -11,6 +11,7 @@ from flexdyn.diagnose.equations.columns import is_loaded, of_change, on_joint, s
 from flexdyn.diagnose.equations.equations import Equations, Torques
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.terms import spreads
+from flexdyn.diagnose.lazy import kept
 from flexdyn.diagnose.parallel import SILENT, in_parallel
 from flexdyn.effects import JointEffect
 from flexdyn.effects.model_error import effect_place
@@ -24,12 +25,17 @@ RELATIVE_NUMBER_STEP = 1e-3
 
 
 def of_numbers(equations: Equations, numbers: Sequence[FileNumber]) -> Array:
-    """Derivatives of the residual (rows, numbers) by the factors of the file's numbers.
+    """Derivatives of the residual (rows, numbers) by the factors of the file's numbers; the equations keep them.
 
     Args:
         equations: of the model.
         numbers: of its file; those of all links need one pass over the motion.
     """
+    return _of_numbers(equations, tuple(numbers))
+
+
+@kept
+def _of_numbers(equations: Equations, numbers: tuple[FileNumber, ...]) -> Array:
     found = np.empty((len(equations.residual), len(numbers)))
     links = [k for k, number in enumerate(numbers) if number.joint is None]
     links = [] if equations.replayed.any() else links  # links that are simulated move otherwise

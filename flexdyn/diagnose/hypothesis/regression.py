@@ -36,21 +36,23 @@ class Regression:
     nuisances: int = 0
 
     @lazy
-    def _whole(self) -> Array:
-        return np.vstack([self.X, np.diag(1.0 / self.sigma)])
-
-    @lazy
     def _scale(self) -> Array:
-        length = np.sqrt((self._whole**2).sum(axis=0))
+        """Lengths of the columns with their priors (columns,)."""
+        length = np.sqrt(np.einsum("ij,ij->j", self.X, self.X) + self.sigma**-2.0)
         return np.where(length > 0.0, length, 1.0)
 
     @lazy
     def _turned(self) -> tuple[Array, Array]:
         """R of the scaled columns (columns, columns), and Q^T of the target (columns,)."""
-        R, count = _triangle(np.column_stack([self._whole / self._scale, self._target])), self.X.shape[1]
+        rows, count = self.X.shape
+        whole = np.empty((rows + count, count + 1))
+        np.divide(self.X, self._scale, out=whole[:rows, :count])
+        whole[rows:, :count] = np.diag(1.0 / (self.sigma * self._scale))
+        whole[:, count] = self._target
+        R = _triangle(whole)
         return R[:count, :count], R[:count, count]
 
-    @lazy
+    @property
     def _target(self) -> Array:
         return np.concatenate([self.y, -self.centre / self.sigma])
 
@@ -62,15 +64,15 @@ class Regression:
     @lazy
     def left(self) -> Array:
         """Residuals of rows and priors (rows + columns,)."""
-        return np.asarray(self._target + self._whole @ self.values)
+        return self._target + np.concatenate([self.X @ self.values, self.values / self.sigma])
 
     @lazy
     def at_zero(self) -> float:
         """Sum of squares without a step, except of the nuisance columns, whose prior is centred at 0."""
-        nuisance = slice(self.X.shape[1] - self.nuisances, self.X.shape[1])
+        first = self.X.shape[1] - self.nuisances
         if not self.nuisances:
             return float(self._target @ self._target)
-        block = self._whole[:, nuisance] / self._scale[nuisance]
+        block = np.vstack([self.X[:, first:], np.diag(1.0 / self.sigma)[:, first:]]) / self._scale[first:]
         best = np.linalg.lstsq(block, self._target, rcond=1e-12)[0]
         after = self._target - block @ best
         return float(after @ after)

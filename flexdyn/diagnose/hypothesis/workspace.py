@@ -22,6 +22,7 @@ from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, count_of
+from flexdyn.diagnose.lazy import kept
 from flexdyn.effects import SensorEffect
 from flexdyn.errors import InputError, SimulationError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -79,7 +80,8 @@ class Unweighted:
         return dataclasses.replace(self, offsets=np.column_stack([*offsets, states, *_of_lags(at)]))
 
 
-def _of_offsets(equations: Equations, channels: Iterable[str]) -> list[Array]:
+@kept
+def _of_offsets(equations: Equations, channels: tuple[str, ...]) -> list[Array]:
     return [columns.of_effect(equations, count_of(name, 1e-6), 1e-6) for name in channels]
 
 
@@ -159,8 +161,7 @@ def weighed(
     levels = [getattr(noise, signal)[equations.true.index(joint)] for signal, _, joint in sides]
     shapes = np.ones(bare.offsets.shape[1] - len(levels) - len(bare.states))
     sigma = np.concatenate([2.0 * np.array(levels) + 1e-12, bare.states, shapes])
-    slopes = whiten(bare.numbers), whiten(bare.offsets)
-    return Workspace(equations, whiten, noise, *slopes, sigma, bare.channels, along=bare.along)
+    return Workspace(equations, whiten, noise, bare.numbers, bare.offsets, sigma, bare.channels, along=bare.along)
 
 
 def _filtered(model: FlexibleJointModel, data: tuple[Measured, ...], noise: SampleNoise) -> Equations:

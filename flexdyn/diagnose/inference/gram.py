@@ -98,7 +98,7 @@ class Gram:
 
     def _row(self, c: int, first: int = 0) -> Array:
         """Products of one column, the base eliminated, with all from the first one on."""
-        row = self.products.weighted(self.weights, np.array([c]))[0, first:]
+        row = self.products.weighted(self.weights, np.array([c]), first)[0]
         return np.asarray(row - self.V[:, c] @ self.V[:, first : self.used])
 
     def rows(self, columns: Indices) -> Array:
@@ -112,13 +112,34 @@ class Gram:
 
     def between(self, columns: Indices, others: Indices) -> Array:
         """Products of columns with others, the base eliminated (columns, others)."""
-        whole = np.tensordot(self.weights, self.products.of(columns, others), 1)
-        return np.asarray(whole - self.V[:, columns].T @ self.V[:, others])
+        self._prepare(np.concatenate([columns, others]))
+        found = np.empty((len(columns), len(others)))
+        mine, theirs = ([self._rows.get(c) for c in each.tolist()] for each in (columns, others))
+        for k, row in enumerate(mine):
+            if row is not None:
+                found[k] = row[others]
+        new, also = ([k for k, row in enumerate(rows) if row is None] for rows in (mine, theirs))
+        if new:
+            for k, row in enumerate(theirs):
+                if row is not None:
+                    found[new, k] = row[columns[new]]
+            low, high = (each.outer(columns[new], others[also]) for each in (np.minimum, np.maximum))
+            found[np.ix_(new, also)] = self.own[low, high - low]
+        return found
+
+    def _prepare(self, columns: Indices) -> None:
+        """Make sure that the products of all pairs of these columns are there."""
+        new = columns[[c not in self._rows for c in columns.tolist()]]
+        if len(new):
+            # Those of one block are there: best of one that would have to be multiplied with all others.
+            blocks, fresh = self.products.blocks(new), ~self.products.taken_up(new)
+            left_out = blocks[fresh if fresh.any() else slice(None)].max()
+            self.rows(new[blocks != left_out])
 
     def grow(self) -> None:
         """More columns are there now."""
         first, self.used = self.used, self.products.count
-        self._eliminate(self.products.weighted(self.weights, np.arange(self.base))[:, first:], first)
+        self._eliminate(self.products.weighted(self.weights, np.arange(self.base), first), first)
 
     def estimate(self, columns: Indices) -> Estimate:
         """The posterior of one structure, of its own columns alone."""

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
-from flexdyn.arrays import Array, Indices
+from flexdyn.arrays import Array, Flags, Indices
 
 Columns = NDArray[np.float32]
 COLUMNS_AT_ONCE = 256
@@ -134,6 +134,15 @@ class Products:
         if len(blocks) > 1:  # those of one block are there
             self.take_up(columns[np.isin(self._block[kept], blocks[:-1])])
 
+    def taken_up(self, columns: Indices) -> Flags:
+        """Which columns have their products with all others (columns,)."""
+        return np.asarray(self._row[self._source[columns]] >= 0)
+
+    def blocks(self, columns: Indices) -> Indices:
+        """A number for each column, the same for those that were put together: these have their products beforehand."""
+        kept = self._source[columns]
+        return self._block[kept] * len(self._source) + columns - kept
+
     def of(self, columns: Indices, others: Indices) -> Array:
         """X^T X of some columns with others (equations, columns, others)."""
         self.prepare(np.concatenate([columns, others]))
@@ -146,10 +155,14 @@ class Products:
         found[:, own] = self._own[:, low, high - low]
         return np.asarray(found)
 
-    def weighted(self, weights: Array, columns: Indices) -> Array:
-        """``sum_e w_e X_e^T X_e`` of columns that were taken up with all that are there (columns, count)."""
-        rows = np.tensordot(weights, self._rows[:, self._row[self._source[columns]], : self._kept], 1)
-        return np.asarray(rows[:, self._source[: self.count]])
+    def weighted(self, weights: Array, columns: Indices, first: int = 0) -> Array:
+        """``sum_e w_e X_e^T X_e`` of columns that were taken up with all from the first one on (columns, ...)."""
+        which = self._source[first : self.count]
+        low, mine = int(which.min(initial=self._kept)), self._row[self._source[columns]]
+        found = np.zeros((len(columns), self._kept - low))
+        for weight, rows in zip(weights, self._rows, strict=True):
+            found += weight * rows[mine, low : self._kept]
+        return found[:, which - low]
 
     def weighted_own(self, weights: Array, first: int = 0) -> Array:
         """The same of columns from the first one on with those that follow them in their block (columns, width)."""
@@ -164,8 +177,10 @@ class Products:
         held = self._held.shape[1]
         held = held if np.array_equal(columns[:held], np.arange(held)) else 0
         own, others, one, other = columns[:held], columns[held:], values[:held], values[held:]
-        crossed = _form(self._held, one, one) if held else 0.0
-        crossed += 2.0 * _form(self.of(own, others), one, other) + _form(self.of(others, others), other, other)
+        crossed = _form(self.of(others, others), other, other)
+        if held:  # they were taken up: their products with all others are there
+            between = self._rows[:, self._row[self._source[own]][:, None], self._source[others]]
+            crossed += _form(self._held, one, one) + 2.0 * _form(between, one, other)
         return np.asarray(np.maximum(self.yy - 2.0 * self.b[:, columns] @ values + crossed, 0.0))
 
     def sum(self, columns: Indices, values: Array) -> Array:

@@ -56,8 +56,8 @@ def along_expected(
     along = bare.equations.along(expected_data(at, work.noise, work.whiten, scale))
     slopes = Unweighted.of(along, here.factors, along.of(here.model()))
     near = dataclasses.replace(slopes, equations=bare.equations, along=along)
-    new = work.whiten(near.numbers), work.whiten(near.offsets)
-    return near, dataclasses.replace(work, numbers=new[0], nuisance=new[1], along=along), 1.0 - 1.0 / scale**2
+    new = dataclasses.replace(work, slopes=near.numbers, unknown=near.offsets, along=along)
+    return near, new, 1.0 - 1.0 / scale**2
 
 
 def expected(work: Workspace) -> float:
@@ -109,12 +109,7 @@ def error_of(plain: Workspace, residual: Array, seen: Seen) -> ModelError:
 
 def tempered(plain: Workspace, error: ModelError) -> Workspace:
     """Weights by the sensors' noise and a model error together."""
-    return dataclasses.replace(
-        plain,
-        whiten=Tempered.of(plain.whiten, error),
-        numbers=error.whiten(plain.numbers),
-        nuisance=error.whiten(plain.nuisance),
-    )
+    return dataclasses.replace(plain, whiten=Tempered.of(plain.whiten, error))
 
 
 def rows_of(at: Equations, mask: Flags) -> Seen:
