@@ -48,11 +48,10 @@ def last(compute: Callable[Concatenate[Any, Key], Value]) -> Callable[Concatenat
     @functools.wraps(compute)
     def known(self: Any, /, *given: Key.args, **named: Key.kwargs) -> Value:
         now = (*given, *named.values())
-        before, value = self.__dict__.get(place, (None, None))
-        if before is None or list(map(id, before)) != list(map(id, now)):
-            value = compute(self, *given, **named)
-            self.__dict__[place] = now, value
-        return value
+        before: tuple[tuple[Any, ...], Value] | None = self.__dict__.get(place)
+        if before is None or list(map(id, before[0])) != list(map(id, now)):
+            before = self.__dict__[place] = now, compute(self, *given, **named)
+        return before[1]
 
     return known
 

@@ -64,7 +64,7 @@ class Regression:
     @lazy
     def left(self) -> Array:
         """Residuals of rows and priors (rows + columns,)."""
-        return self._target + np.concatenate([self.X @ self.values, self.values / self.sigma])
+        return np.asarray(self._target + np.concatenate([self.X @ self.values, self.values / self.sigma]))
 
     @lazy
     def at_zero(self) -> float:
