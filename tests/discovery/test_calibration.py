@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from calibration import claims_of, reliability, table
+from calibration import candidates_of, claims_of, reliability, table
 
 
 def test_the_error_is_the_weighted_mean_over_bins() -> None:
@@ -29,6 +29,16 @@ def test_calibrated_probabilities_have_a_small_error_and_bold_ones_do_not() -> N
 def test_edges_belong_to_the_bin_below_and_nothing_said_is_nothing_counted() -> None:
     """Probabilities of zero and one have a bin; reports without probabilities have none."""
     found = reliability([(0.0, False), (0.5, True), (1.0, True)])
-    assert [(row["from"], row["to"], row["count"]) for row in found["bins"]] == [(0.0, 0.5, 2), (0.99, 1.0, 1)]
+    assert [(row["from"], row["to"], row["count"]) for row in found["bins"]] == [
+        (0.0, 0.01, 1),
+        (0.3, 0.5, 1),
+        (0.99, 1.0, 1),
+    ]
     rows: list[dict[str, Any]] = [{"claims": [{"name": "x", "probability": None, "true": True}]}, {"points": 0.0}]
     assert reliability(claims_of(rows)) == {"findings": 0, "bins": [], "calibration_error": None}
+
+
+def test_candidates_count_whether_or_not_they_are_named() -> None:
+    """Of two cases, and of one without a report."""
+    rows: list[dict[str, Any]] = [{"candidates": [[0.9, True], [0.1, False]]}, {"candidates": [[0.2, True]]}, {}]
+    assert candidates_of(rows) == [(0.9, True), (0.1, False), (0.2, True)]
