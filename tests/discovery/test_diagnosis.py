@@ -20,6 +20,7 @@ CASES = [
 MORE = [
     ("pair", 5, 22, "Stribeck friction on a link and a torque limit on the other motor"),
     ("rigid", 5, 7, "viscous friction"),
+    ("rigid", 170001, 2, "a link's encoder that lags on a joint without elasticity"),
     ("triple", 117001, 4, "presliding and viscous friction of one motor, whose commands come late"),
     ("triple", 118001, 4, "a wrong mass beside a hysteresis spring and a limit"),
     ("hard", 129001, 1, "a hardening spring, whose encoders have offsets of half a step"),

@@ -15,6 +15,7 @@ from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.inference.candidate import Column, natural
 from flexdyn.diagnose.inference.column_maker import ColumnMaker, natural_spread
 from flexdyn.diagnose.inference.priors import FITTED_SIZE_WIDTH, UNKNOWN_WIDTH
+from flexdyn.diagnose.inference.sizes import Sizes
 from flexdyn.effects import Effect, JointEffect
 
 Belief = Callable[[Effect, str], tuple[float, float]]
@@ -44,17 +45,24 @@ def beliefs(maker: ColumnMaker, effects: tuple[Effect, ...]) -> Belief:
     return known_belief
 
 
-def belief(maker: ColumnMaker, effect: Effect, name: str) -> tuple[float, float]:
+def belief(maker: ColumnMaker, effect: Effect, name: str, sizes: Sizes | None = None) -> tuple[float, float]:
     """Prior of a parameter: how far its centre is from its value, and its standard deviation, in its unit.
 
     A parameter that makes the effect large is ``N(neutral, (share of the drive)^2)``; one that the grid is of is
     log-normal about the grid's middle, half its range wide; of others nothing is known.
+
+    Args:
+        maker: where the effect stands.
+        effect: of which.
+        name: of the parameter.
+        sizes: what the equations are about without the effect: of two encoders of a rigid joint, one of which is late,
+            they are about nothing once the lag is taken off; None: the maker's.
     """
     value, nothing = getattr(effect, name), effect.neutral.get(name)
     if nothing is not None and np.isfinite(nothing):
         scale = tangent_scale(effect, name)
         raw = of_parameter(maker.equations, effect, name, 0.1 * scale)
-        largest = float(maker.sizes.largest(raw[None])[0])
+        largest = float((sizes or maker.sizes).largest(raw[None])[0])
         spread = natural_spread(effect.name, EFFECT_TORQUE_SHARE / largest) if 0.0 < largest < np.inf else np.inf
         return (float(nothing) - value, spread) if np.isfinite(spread) else (0.0, np.inf)
     proposal = next(p for p in maker.proposals if p.is_of(effect))
@@ -73,7 +81,7 @@ def _spread(maker: ColumnMaker, effect: Effect, name: str) -> float:
     if isinstance(effect, JointEffect) and effect.takes_load and not true.elastic[true.index(effect.joint)]:
         column = maker.columns(next(p for p in maker.proposals if p.is_of(effect)), ())
         return np.inf if column is None else float(column.std[0])
-    return belief(maker.alone(effect), effect, name)[1]
+    return belief(maker.alone(effect), effect, name, maker.sizes)[1]
 
 
 def standing_columns(
