@@ -46,7 +46,7 @@ if [ -z "$folder" ]; then
   trap 'rm -rf "$folder"' EXIT
 fi
 "$python" -m pip install . --quiet --no-deps --upgrade --target "$folder/flexdyn" \
-  -C build-dir="$folder/build" -C cmake.build-type=Debug -C cmake.define.FLEXDYN_SANITIZE="$kind"
+  --config-settings=build-dir="$folder/build" --config-settings=cmake.build-type=Debug --config-settings=cmake.define.FLEXDYN_SANITIZE="$kind"
 
 # The interpreter is not instrumented, so that the sanitizer's library has to be there before it.
 compiler=${CXX:-c++}
