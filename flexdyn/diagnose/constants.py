@@ -72,7 +72,8 @@ RIVAL_LOSS = 0.01
 Choice: a rival that a fit preferred had lost 0.03 %."""
 STRONG_GAIN_SHARE = 0.1
 """Share of the greatest gain of a pass from which another addition is made before the equations are linearised anew,
-or a candidate is fitted alone where they do not keep their promise [1]. Choice."""
+or a candidate is fitted alone where they do not keep their promise; and share of a gain that a candidate may lose to be
+simulated in the place of another one [1]. Choice."""
 RIVAL_PROBABILITY = 0.02
 """Probability from which a candidate is reported as a rival of another [1]: rivals below it together hardly reach 5
 %."""

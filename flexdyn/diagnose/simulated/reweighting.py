@@ -240,14 +240,14 @@ def _is_certain(simulated: Simulated, best: Structure) -> bool:
         if plain.kind not in law.law.contains or plain.spot != law.spot:
             continue
         common = {each.name for each in plain.law.parameters()}
-        ratios = [
-            abs(getattr(effect, name)) / sigma
+        unsure = [
+            not abs(getattr(effect, name)) > CERTAIN_SIGMAS * sigma
             for (effect, name), sigma in made.std().items()
             if isinstance(effect, JointEffect)
             and (effect.name, effect.joint, effect.side) == (law.kind, *law.spot)
             and name not in common
         ]
-        if ratios and max(ratios) <= CERTAIN_SIGMAS:
+        if unsure and all(unsure):
             return False
     return True
 
