@@ -12,7 +12,7 @@ from scipy.stats import norm
 import flexdyn as fd
 from flexdyn.diagnose.constants import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.corrected import corrected
+from flexdyn.diagnose.decision.corrected import corrected, leaves_noise
 from flexdyn.diagnose.decision.findings import reported_names
 from flexdyn.diagnose.decision.gaps import nearer
 from flexdyn.diagnose.decision.model_effects import needed, possible
@@ -33,7 +33,9 @@ from flexdyn.effects import (
     LoadDependentFriction,
     ViscousFriction,
 )
-from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
+from tests.arms import two_link
+from tests.diagnose.truths import ARM, Levels, slider_model, slider_recording, sliding, two_link_recording
+from tests.diagnose.workspaces import workspace
 
 SOFT = {name: JointElasticity(name, stiffness=900.0) for name in ("shoulder", "elbow")}
 LOADED = {name: LoadDependentFriction(name, side="motor", coefficient=0.1) for name in ("shoulder", "elbow")}
@@ -205,3 +207,17 @@ def test_a_number_that_the_comparison_leaves_within_its_tolerance_is_no_finding(
     moved = dataclasses.replace(answer.hypothesis, factors=dict.fromkeys(answer.hypothesis.factors, 2.0))
     fitted = dataclasses.replace(answer.fitted, hypothesis=moved)
     assert not reported_names(dataclasses.replace(answer, fitted=fitted))
+
+
+def test_what_an_encoder_rounds_away_is_no_model_error() -> None:
+    """It rounds down, half a step on average, which winds a spring; with the offsets of the fit the rest is noise."""
+    levels = Levels(position=1e-4, torque=0.01)
+    seen = two_link_recording(levels, seed=2)
+    half = 0.5 * np.sqrt(12.0) * levels.position
+    rounded = {name: x - half if name.startswith("q") else x for name, x in seen.channels.items()}
+    model = two_link(ARM)
+    space, start, _ = workspace(model, (measured(model, fd.Recording(seen.t, rounded)),))
+    made = fit(start, space)
+    assert leaves_noise(made, space)
+    bare = dataclasses.replace(made, hypothesis=dataclasses.replace(made.hypothesis, counts=()))
+    assert not leaves_noise(bare, space)
