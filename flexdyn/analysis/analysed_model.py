@@ -10,6 +10,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.effects import CouplingEffect, Effect, JointEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.stated_tolerances import kept_tolerances
 from flexdyn.simulation.plant import check_model
 
 
@@ -61,7 +62,8 @@ def dry_effects(model: FlexibleJointModel) -> Iterator[tuple[int, JointEffect]]:
 
 def without(model: FlexibleJointModel, leave_out: Callable[[Effect], bool]) -> FlexibleJointModel:
     """The model without some of its effects; the model itself if it has none of them."""
-    kept = [effect for effect in model.all_effects if not leave_out(effect)]
+    kept = [i for i, effect in enumerate(model.all_effects) if not leave_out(effect)]
     if len(kept) == len(model.all_effects):
         return model
-    return model.replace(effects=kept, urdf_dynamics="ignore")
+    effects, tolerance = [model.all_effects[i] for i in kept], kept_tolerances(model.tolerance, kept)
+    return model.replace(effects=effects, tolerance=tolerance, urdf_dynamics="ignore")

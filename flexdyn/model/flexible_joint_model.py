@@ -27,7 +27,7 @@ from flexdyn.model.setting_checks import (
     one_of,
     tolerance_checked,
 )
-from flexdyn.model.stated_tolerances import unknown_masses, unknown_parameters, with_stated_tolerances
+from flexdyn.model.stated_tolerances import kept_tolerances, unknown_masses, unknown_parameters, with_stated_tolerances
 from flexdyn.model.summary import as_card
 from flexdyn.model.urdf_dynamics import urdf_effects
 from flexdyn.robot import Robot
@@ -257,9 +257,11 @@ class FlexibleJointModel(Public):
     def rigid(self) -> FlexibleJointModel:
         """The same arm without elasticity: every joint rigid, J added to M, no effects that need a spring."""
         true = self.resolved()
-        kept = [each for each in true.effects if getattr(each, "side", None) != "transmission" and not each.takes_load]
         links = {signal: values for signal, values in self.initial.items() if signal in ("q", "v")}
-        return true.replace(joints={"*": {"stiffness": math.inf}}, effects=kept, initial=links)
+        wound = [getattr(each, "side", None) == "transmission" or each.takes_load for each in true.effects]
+        kept = [i for i, needs_spring in enumerate(wound) if not needs_spring]
+        settings = {"tolerance": kept_tolerances(true.tolerance, kept), "initial": links}
+        return true.replace(joints={"*": {"stiffness": math.inf}}, effects=[true.effects[i] for i in kept], **settings)
 
     def index(self, joint: str) -> int:
         """Index of a joint in q.
@@ -293,4 +295,6 @@ class FlexibleJointModel(Public):
         if not told and not any(effect.in_numbers for effect in acting):
             return self
         robot, joints, effects = folded(robot_with_links(self.robot, self.links), self.joints, self.effects)
-        return FlexibleJointModel(robot, joints, effects, **self._settings() | {"links": unknown_links(self.links)})
+        kept = [i for i, effect in enumerate(self.effects) if not effect.in_numbers]
+        changed = {"links": unknown_links(self.links), "tolerance": kept_tolerances(self.tolerance, kept)}
+        return FlexibleJointModel(robot, joints, effects, **self._settings() | changed)

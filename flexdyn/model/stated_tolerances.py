@@ -6,6 +6,7 @@ An unknown number is 0, or what the URDF says, and has an infinite tolerance.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -17,6 +18,8 @@ from flexdyn.robot import Robot
 
 SAME_MASS = 1e-6
 """Relative difference up to which a mass is that of the URDF [1]."""
+EFFECT_PATH = re.compile(r"effects\[(\d+)\](\..*)")
+"""Path of a parameter of an effect, by the effect's place in the list."""
 WRITE_NUMBER = "write the number alone"
 Paths = dict[str, float]
 
@@ -144,6 +147,25 @@ def unknown_masses(tolerance: Any, links: Sequence[str]) -> list[str]:
     return [
         each for each in links if isinstance(tolerance, Mapping) and tolerance.get(f"links.{each}.mass") == math.inf
     ]
+
+
+def kept_tolerances(tolerance: Any, kept: Sequence[int]) -> Any:
+    """The tolerances of a model of whose effects some are left out: ``effects[i]`` counts the others.
+
+    Args:
+        tolerance: of the model.
+        kept: places of the effects that stay, in their order.
+    """
+    if not isinstance(tolerance, Mapping):
+        return tolerance
+    places, found = {old: new for new, old in enumerate(kept)}, {}
+    for path, share in tolerance.items():
+        of_effect = EFFECT_PATH.fullmatch(path)
+        if of_effect is None:
+            found[path] = share
+        elif int(of_effect[1]) in places:
+            found[f"effects[{places[int(of_effect[1])]}]{of_effect[2]}"] = share
+    return found
 
 
 def known_tolerances(tolerance: Any) -> Any:

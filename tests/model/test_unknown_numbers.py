@@ -253,3 +253,26 @@ def test_a_motor_that_turns_the_other_way(tmp_path: Path) -> None:
     assert np.array_equal(runs[0].q, runs[1].q)
     assert np.array_equal(runs[0].theta, runs[1].theta)
     assert back.joints["hinge"].reflected_inertia == there.joints["hinge"].reflected_inertia
+
+
+SPRUNG = """flexdyn: 1
+robot: {urdf: scara_two_link}
+joints: {shoulder: {stiffness: 400, rotor_inertia: 0.1}, elbow: {stiffness: 300, rotor_inertia: 0.1}}
+effects:
+  - {effect: transmission_damping, joint: shoulder, coefficient: 1.0}
+  - {effect: parameter_error, of: elbow, parameter: stiffness, factor: 1.1}
+  - {effect: viscous_friction, joint: shoulder, side: motor, coefficient: unknown}
+  - {effect: coulomb_friction, joint: elbow, side: motor, level: {value: 0.2, tolerance: 0.1}}
+"""
+
+
+def test_tolerances_stay_with_their_effects(tmp_path: Path) -> None:
+    """Where effects before them are left out; what is unknown is refused there, and not taken for 0."""
+    (tmp_path / "model.yaml").write_text(SPRUNG, encoding="utf-8")
+    model = fd.load_model(tmp_path / "model.yaml")
+    for fewer, first in ((model.resolved(), 1), (model.rigid(), 0)):
+        assert [each.name for each in fewer.effects[first:]] == ["viscous_friction", "coulomb_friction"]
+        own = {f"effects[{first}].coefficient": math.inf, f"effects[{first + 1}].level": pytest.approx(0.5)}
+        assert fewer.tolerance == {"*": 0.05, **own}
+        with pytest.raises(fd.InputError, match=rf"^effects\[{first}\]\.coefficient: the number is unknown"):
+            fd.simulate(fewer, duration=0.01)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
@@ -21,6 +20,7 @@ from flexdyn.io.yaml import dump_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import model_to_dict
 from flexdyn.model.resolved_parameters import OF_LINK, OF_URDF, factors_of
+from flexdyn.model.stated_tolerances import kept_tolerances
 from flexdyn.model.uncertain_parameters import UNKNOWN_TOLERANCE
 from flexdyn.robot.rewrite import corrected_urdf
 
@@ -29,7 +29,6 @@ MODEL = "model.yaml"
 MARK = "corrected by flexdyn diagnose"
 """Text in the first line of every model file that a diagnosis wrote."""
 HEAD = f"# {{}}, {MARK}. SI units; rotor_inertia on the motor side, everything else reflected.\n"
-EFFECT_PATH = re.compile(r"effects\[(\d+)\](\..*)")
 
 
 def write_report(diagnosis: Diagnosis, folder: Path) -> None:
@@ -127,17 +126,9 @@ def _is_of_urdf(effect: Effect) -> bool:
 
 def _tolerance(model: FlexibleJointModel) -> Any:
     """The tolerances with the places of effects counted without those that are folded into numbers."""
-    if not isinstance(model.tolerance, Mapping):
-        return model.tolerance
     kept = [i for i, effect in enumerate(model.effects) if not effect.in_numbers]
-    places = {old: new for new, old in enumerate(kept)}
-    found = {}
-    for path, value in model.tolerance.items():
-        if value >= UNKNOWN_TOLERANCE:
-            continue  # it was unknown; now the model has its estimate
-        match = EFFECT_PATH.fullmatch(path)
-        if match is None:
-            found[path] = value
-        elif int(match[1]) in places:
-            found[f"effects[{places[int(match[1])]}]{match[2]}"] = value
-    return found
+    tolerance = kept_tolerances(model.tolerance, kept)
+    if not isinstance(tolerance, Mapping):
+        return tolerance
+    # What was unknown has its estimate in this model.
+    return {path: share for path, share in tolerance.items() if share < UNKNOWN_TOLERANCE}

@@ -180,9 +180,10 @@ class Simulated:
 
     def _rivals(self, structure: Structure) -> None:
         """Simulate what loses little in the place of each candidate in the equations, where reversals are masked."""
+        scan = Scan(self.found.space)
         for each in sorted(structure):
             rest = structure - {each}
-            additions = Scan(self.found.space).additions(rest)
+            additions = scan.additions(rest)
             least = (1.0 - STRONG_GAIN_SHARE) * next(
                 (gain for gain, point in additions if point[0] == each[0]), math.inf
             )
