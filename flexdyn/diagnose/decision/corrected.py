@@ -165,9 +165,8 @@ def _genuine(found: Posterior, share: Mapping[int, float]) -> dict[int, float]:
 def _overstated(found: Posterior) -> Array:
     """What the linear equations leave of the best structure, and its fit does not (equations,)."""
     space = found.space
-    columns, mean = space.gram.with_base(space.gram.estimate(space.columns(found.best)))
     left = squares_left(found.fitted.equations, found.fitted.space)
-    return np.maximum(space.matrix.products.squares(columns, mean) - left, 0.0)
+    return np.maximum(space.gram.squares(space.gram.estimate(space.columns(found.best))) - left, 0.0)
 
 
 def _masses(found: Posterior) -> Masses:

@@ -26,16 +26,16 @@ class FittedStructure:
     Attributes:
         structure: candidates with their grid points.
         value: log posterior without the rows that passages hide.
-        likelihood: log likelihood without them.
+        likelihood: log likelihood without them; offsets of encoders cost what their rounding makes unlikely.
         promised: log posterior with them.
-        made: its fit.
+        numbers: unknowns of its effects, and numbers of the file that are out of tolerance.
     """
 
     structure: Structure
     value: float
     likelihood: float
     promised: float
-    made: Fit
+    numbers: int
 
     @classmethod
     def of(cls, space: Space, structure: Structure, value: float, made: Fit, hidden: Flags) -> FittedStructure:
@@ -44,9 +44,11 @@ class FittedStructure:
         Where a joint with a computed position begins or ends to stick, all rows contain what its friction does at an
         uncertain instant. They do not tell one law of friction from another.
         """
-        whole, shown = (space.noise.log_likelihood(each) for each in squares_shown(made.equations, made.space, hidden))
+        *squares, of_offsets = squares_shown(made.equations, made.space, hidden)
+        whole, shown = (space.noise.log_likelihood(each) for each in squares)
         value_shown = value - whole + shown + _log_between_points(space, structure, made)
-        return cls(structure, value_shown, shown, value, made)
+        numbers = len(made.hypothesis.unknowns()) + len(made.hypothesis.freed)
+        return cls(structure, value_shown, shown - 0.5 * of_offsets, value, numbers)
 
     def odds_to(self, other: FittedStructure) -> tuple[Structure, frozenset[int], float]:
         """This structure, the candidates of another one, and the odds to that."""
@@ -59,9 +61,7 @@ class FittedStructure:
         That is so if they have as many numbers, and a ratio of likelihoods below 3. Widths of priors are choices, and
         no name rests on them alone.
         """
-        hypotheses = [each.made.hypothesis for each in (self, other)]
-        one, two = (len(each.unknowns()) + len(each.freed) for each in hypotheses)
-        if one != two or abs(self.likelihood - other.likelihood) > EVEN_ODDS_WINDOW:
+        if self.numbers != other.numbers or abs(self.likelihood - other.likelihood) > EVEN_ODDS_WINDOW:
             return self
         places = space.log_places(self.structure) - space.log_places(other.structure)
         return dataclasses.replace(self, value=other.value + places)

@@ -10,7 +10,7 @@ from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.odds_by_fits import fit_if_likely, log_posterior
+from flexdyn.diagnose.inference.odds_by_fits import carried_on, fit_if_likely, log_posterior
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.space import Space, Structure
 
@@ -25,17 +25,20 @@ def needed_in_fits(found: Posterior) -> Posterior:
     Args:
         found: the posterior, whose best structure is fitted to the equations.
     """
-    space, best, made = found.space, found.best, found.fitted
+    space, best = found.space, found.best
+    made = carried_on(space, best, found.fitted)
     odds: list[tuple[Structure, frozenset[int], float]] = []
     doubtful = sorted(best)
     while doubtful:
         here = log_posterior(space, best, made)
-        tried = {each: _without_candidate(space, best, each, made, here) for each in doubtful}
-        values = {each: value for each, (value, _) in tried.items()}
         whole = frozenset(c for c, _ in best)
+        values: dict[tuple[int, int], float] = {}
+        least, rest = doubtful[0], None
+        for each in doubtful:  # one fit at a time is kept: they are large
+            values[each], other = _without_candidate(space, best, each, made, here)
+            if values[each] >= values[least] and other is not None:
+                least, rest = each, other
         odds += [(best - {each}, whole, math.exp(min(0.0, value - here))) for each, value in values.items()]
-        least = max(values, key=lambda each: values[each])
-        rest = tried[least][1]
         if rest is None or values[least] <= here:
             break
         best, made = best - {least}, rest

@@ -34,34 +34,39 @@ def rivals_in_fits(found: Posterior) -> Posterior:
         found: the posterior, whose best structure is fitted to the equations.
     """
     space, hidden = found.space, passage_mask(found.fitted.equations, found.noise)
-    first = FittedStructure.of(space, found.best, log_posterior(space, found.best, found.fitted), found.fitted, hidden)
-    here = _plainest(space, first, hidden)
+    value = log_posterior(space, found.best, found.fitted)
+    first = FittedStructure.of(space, found.best, value, found.fitted, hidden)
+    here, made = _plainest(space, first, found.fitted, hidden)
     plainer = [here.odds_to(first)] if here is not first else []
-    best, made, tried = here.structure, here.made, []
-    for structure, start in (*_swapped(space, best), *_one_sided(space, best, made)):
+    tried, likely, fitted = [], here, made  # one fit at a time is kept: they are large
+    for structure, start in (*_swapped(space, here.structure), *_one_sided(space, here.structure, made)):
         value, other = fit_if_likely(space, structure, start, made, here.promised - OCCAM_WINDOW)
-        if other is not None:
-            tried.append(FittedStructure.of(space, structure, value, other, hidden))
-    tried = [each.beside(here, space) for each in tried]
-    likely = max((each for each in tried if each.value > here.value + EVEN_ODDS_WINDOW), key=_value, default=here)
+        if other is None:
+            continue
+        tried.append(FittedStructure.of(space, structure, value, other, hidden).beside(here, space))
+        if tried[-1].value > max(likely.value, here.value + EVEN_ODDS_WINDOW):
+            likely, fitted = tried[-1], other
     odds = [(each if each is likely else each.beside(likely, space)).odds_to(here) for each in tried]
     by_fits = (*found.by_fits, *plainer, *odds)
-    return dataclasses.replace(found, best=likely.structure, fitted=likely.made, by_fits=by_fits)
+    return dataclasses.replace(found, best=likely.structure, fitted=fitted, by_fits=by_fits)
 
 
-def _plainest(space: Space, here: FittedStructure, hidden: Flags) -> FittedStructure:
+def _plainest(space: Space, here: FittedStructure, made: Fit, hidden: Flags) -> tuple[FittedStructure, Fit]:
     """A fit, or one with a plainer law in the place of one where that is more likely; it begins at the same numbers."""
     for each in sorted(here.structure):
-        me, before = space.candidates[each[0]], here
-        for c, other in enumerate(space.candidates):
-            if other.kind not in me.law.plainer or other.spot != me.spot or c in dict(before.structure):
+        me, before, whole = space.candidates[each[0]], here, made
+        for c, plainer in enumerate(space.candidates):
+            if plainer.kind not in me.law.plainer or plainer.spot != me.spot or c in dict(before.structure):
                 continue
             structure = before.structure - {each} | {(c, 0)}
-            start = _with_plainer(before.made.hypothesis, me, other) or hypothesis_of(space, structure, whole=True)
-            value, made = fit_if_likely(space, structure, start, before.made, -math.inf)
-            if made is not None:
-                here = max(here, FittedStructure.of(space, structure, value, made, hidden), key=_value)
-    return here
+            start = _with_plainer(whole.hypothesis, me, plainer) or hypothesis_of(space, structure, whole=True)
+            value, other = fit_if_likely(space, structure, start, whole, -math.inf)
+            if other is None:
+                continue
+            tried = FittedStructure.of(space, structure, value, other, hidden)
+            if tried.value > here.value:
+                here, made = tried, other
+    return here, made
 
 
 def _with_plainer(here: Hypothesis, candidate: Candidate, plainer: Candidate) -> Hypothesis | None:
@@ -73,10 +78,6 @@ def _with_plainer(here: Hypothesis, candidate: Candidate, plainer: Candidate) ->
     numbers = {name: getattr(effect, name) for name in names}
     instead = effect_from_dict({"effect": plainer.kind, **plainer.place, **numbers})
     return dataclasses.replace(here, effects=tuple(instead if each is effect else each for each in here.effects))
-
-
-def _value(tried: FittedStructure) -> float:
-    return tried.value
 
 
 def _swapped(space: Space, best: Structure) -> list[tuple[Structure, Hypothesis]]:

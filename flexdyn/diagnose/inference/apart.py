@@ -78,9 +78,10 @@ def shares(space: Space, structure: Structure, overstated: Array | float = 0.0) 
         structure: in it.
         overstated: squares that the linear equations leave and a fit does not (equations,).
     """
-    columns, mean = space.gram.with_base(space.gram.estimate(space.columns(structure)))
+    own = space.gram.estimate(space.columns(structure))
+    columns, mean = space.gram.with_base(own)
     value = dict(zip(columns.tolist(), mean.tolist(), strict=True))
-    squares = np.maximum(space.matrix.products.squares(columns, mean) - overstated, 0.0)
+    squares = np.maximum(space.gram.squares(own) - overstated, 0.0)
     below = _undetected(space.noise)
     excess = beyond_noise(space.noise, squares)
     typical, weights = _typical(space, excess), space.gram.weights

@@ -18,6 +18,7 @@ from scipy.linalg import cho_solve, cholesky, solve_triangular
 from scipy.special import log_ndtr
 
 from flexdyn.arrays import Array, Flags, Indices
+from flexdyn.diagnose.inference.eliminated import Eliminated
 from flexdyn.diagnose.inference.products import Products
 
 NEGATIVE_SIGMAS = 4.0
@@ -80,6 +81,11 @@ class Gram:
         self.log_volume = 0.5 * float(np.log(lam).sum()) - float(np.log(np.diag(self.factor)).sum())
         self.inverse = solve_triangular(self.factor, np.eye(base), lower=True)
         self._eliminate(first, 0)
+        self.eliminated = Eliminated(products, weights, lam, self.inverse.T @ self.z, self._by)
+
+    def _by(self, columns: Indices) -> Array:
+        """Coefficients of the base by other columns (base, columns)."""
+        return np.asarray(self.inverse.T @ self.V[:, columns])
 
     def _eliminate(self, first: Array, new: int) -> None:
         """Take what the base explains off the products of new columns (base, new columns)."""
@@ -112,29 +118,15 @@ class Gram:
 
     def between(self, columns: Indices, others: Indices) -> Array:
         """Products of columns with others, the base eliminated (columns, others)."""
-        self._prepare(np.concatenate([columns, others]))
-        found = np.empty((len(columns), len(others)))
-        mine, theirs = ([self._rows.get(c) for c in each.tolist()] for each in (columns, others))
-        for k, row in enumerate(mine):
-            if row is not None:
-                found[k] = row[others]
-        new, also = ([k for k, row in enumerate(rows) if row is None] for rows in (mine, theirs))
-        if new:
-            for k, row in enumerate(theirs):
-                if row is not None:
-                    found[new, k] = row[columns[new]]
-            low, high = (each.outer(columns[new], others[also]) for each in (np.minimum, np.maximum))
-            found[np.ix_(new, also)] = self.own[low, high - low]
-        return found
+        return self.eliminated.between(columns, others)
 
-    def _prepare(self, columns: Indices) -> None:
-        """Make sure that the products of all pairs of these columns are there."""
-        new = columns[[c not in self._rows for c in columns.tolist()]]
-        if len(new):
-            # Those of one block are there: best of one that would have to be multiplied with all others.
-            blocks, fresh = self.products.blocks(new), ~self.products.taken_up(new)
-            left_out = blocks[fresh if fresh.any() else slice(None)].max()
-            self.rows(new[blocks != left_out])
+    def squares(self, own: Estimate) -> Array:
+        """Sums of the squares that a structure leaves at its coefficients (equations,).
+
+        Args:
+            own: its posterior, of its own columns alone.
+        """
+        return self.eliminated.squares(own.columns, own.mean)
 
     def grow(self) -> None:
         """More columns are there now."""

@@ -10,6 +10,7 @@ import numpy as np
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.constants import CERTAIN_SIGMAS, NOISE_LEVEL_ERROR, OCCAM_WINDOW, STRONG_GAIN_SHARE
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.hypothesis.chord import chord_fit
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
@@ -104,15 +105,18 @@ def fit_if_likely(
 ) -> tuple[float, Fit | None]:
     """Log posterior of a structure by its fit, and the fit, which ends early where it will not reach a least value.
 
+    The first steps keep the slopes of another fit. What they reach, and what they promise beyond it, tells whether the
+    fit goes on with its own slopes.
+
     Args:
         space: of the linearisation.
         structure: to be fitted.
         start: its first values.
-        base: a fit under whose weights this one is made.
+        base: a fit near it, under whose weights this one is made.
         least: log posterior that it must reach to be of interest.
     """
     try:
-        made = fit(start, base.space, steps=STEPS_TRIED)
+        made = chord_fit(start, base)
     except SimulationError:  # nothing can be computed there
         return -math.inf, None
     value = log_posterior(space, structure, made)
@@ -120,6 +124,12 @@ def fit_if_likely(
         made = fit(made.hypothesis, base.space, steps=STEPS_OF_A_FIT)
         value = log_posterior(space, structure, made)
     return value, made
+
+
+def carried_on(space: Space, structure: Structure, made: Fit) -> Fit:
+    """A fit that went on in the way in which others are tried beside it, where that makes it more likely."""
+    value, other = fit_if_likely(space, structure, made.hypothesis, made, log_posterior(space, structure, made))
+    return made if other is None or value <= log_posterior(space, structure, made) else other
 
 
 def _lacks(space: Space, made: Fit) -> bool:
@@ -185,11 +195,11 @@ def squares_left(at: Equations, work: Workspace) -> Array:
     return _left(at, work)[0]
 
 
-def squares_shown(at: Equations, work: Workspace, hidden: Flags) -> tuple[Array, Array]:
-    """The same of all rows, and of those that are not hidden."""
+def squares_shown(at: Equations, work: Workspace, hidden: Flags) -> tuple[Array, Array, float]:
+    """The same of all rows, and of those that are not hidden; and of the encoders' offsets, over their variances."""
     weights = work.at(at)
-    white = weights.white(at.residual)
-    return _squares(white, weights, at), _squares(np.where(hidden, 0.0, white), weights, at)
+    white, of_offsets = weights.without_offsets(at.residual)
+    return _squares(white, weights, at), _squares(np.where(hidden, 0.0, white), weights, at), of_offsets
 
 
 def _left(at: Equations, work: Workspace) -> tuple[Array, float]:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
-from flexdyn.arrays import Array, Flags, Indices
+from flexdyn.arrays import Array, Indices
 
 Columns = NDArray[np.float32]
 COLUMNS_AT_ONCE = 256
@@ -35,6 +35,7 @@ class Products:
         y: rows of each equation (equations, rows).
         b: X^T y (equations, capacity).
         count: columns that are there.
+        held: X^T X of the columns that every structure has (equations, base, base).
     """
 
     def __init__(self, equations: int, rows: int, capacity: int) -> None:
@@ -50,7 +51,7 @@ class Products:
         self._row = np.full(capacity, -1)  # where the products of a kept column with all others are
         self._rows = np.zeros((many, SPARE_ROWS, capacity))
         self._full = 0
-        self._held = np.zeros((many, 0, 0))  # products of the columns that every structure has
+        self.held = np.zeros((many, 0, 0))
 
     def explain(self, rows: Array) -> None:
         """What the columns are to explain (rows, equations), before any is put."""
@@ -123,9 +124,9 @@ class Products:
     def hold(self, count: int) -> None:
         """Take up the first columns, which every structure has."""
         first = np.arange(count)
-        if count != self._held.shape[1]:
+        if count != self.held.shape[1]:
             self.take_up(first)
-            self._held = self.of(first, first)
+            self.held = self.of(first, first)
 
     def prepare(self, columns: Indices) -> None:
         """Make sure that the products of all pairs of these columns are there."""
@@ -133,15 +134,6 @@ class Products:
         blocks = np.unique(self._block[kept[self._row[kept] < 0]])
         if len(blocks) > 1:  # those of one block are there
             self.take_up(columns[np.isin(self._block[kept], blocks[:-1])])
-
-    def taken_up(self, columns: Indices) -> Flags:
-        """Which columns have their products with all others (columns,)."""
-        return np.asarray(self._row[self._source[columns]] >= 0)
-
-    def blocks(self, columns: Indices) -> Indices:
-        """A number for each column, the same for those that were put together: these have their products beforehand."""
-        kept = self._source[columns]
-        return self._block[kept] * len(self._source) + columns - kept
 
     def of(self, columns: Indices, others: Indices) -> Array:
         """X^T X of some columns with others (equations, columns, others)."""
@@ -172,22 +164,6 @@ class Products:
         """Squares of all columns (equations, count)."""
         return self._own[:, self._source[: self.count], 0]
 
-    def squares(self, columns: Indices, values: Array) -> Array:
-        """Sums of the squares of y - X beta (equations,)."""
-        held = self._held.shape[1]
-        held = held if np.array_equal(columns[:held], np.arange(held)) else 0
-        own, others, one, other = columns[:held], columns[held:], values[:held], values[held:]
-        crossed = _form(self.of(others, others), other, other)
-        if held:  # they were taken up: their products with all others are there
-            between = self._rows[:, self._row[self._source[own]][:, None], self._source[others]]
-            crossed += _form(self._held, one, one) + 2.0 * _form(between, one, other)
-        return np.asarray(np.maximum(self.yy - 2.0 * self.b[:, columns] @ values + crossed, 0.0))
-
     def sum(self, columns: Indices, values: Array) -> Array:
         """X beta (equations, rows)."""
         return np.stack([values @ X[self._source[columns]] for X in self.X])
-
-
-def _form(products: Array, one: Array, other: Array) -> Array:
-    """``one^T P other`` of each equation's products P (equations,)."""
-    return np.asarray((products @ other) @ one)

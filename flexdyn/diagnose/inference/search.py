@@ -145,24 +145,40 @@ def explore(space: Space, starts: list[Structure], explored: int = STRUCTURES_EX
 
 
 def _climb(scan: Scan, start: Structure, done: set[Structure]) -> None:
-    """From a structure to the best of its neighbours, its grid points refined, as long as that is better."""
-    here = start
-    scan.space.value(here)
+    """From a structure to the best of its neighbours, its grid points refined, as long as that is better.
+
+    Swaps take as many scans as the structure has candidates. So they are compared where no addition or removal helps.
+    """
+    here, space = start, scan.space
+    space.value(here)
     while here not in done:
-        scan.space.weigh(ModelError.of(scan.space.left(here), scan.space.seen))
-        _neighbours(scan, here, done)
-        best = scan.space.best()
-        if scan.space.known[best] <= scan.space.known[here]:
+        check()
+        space.weigh(ModelError.of(space.left(here), space.seen))
+        _compare_additions_and_removals(scan, here)
+        if space.known[space.best()] <= space.known[here]:
+            _compare_swaps(scan, here)
+            done.add(here)
+        best = space.best()
+        if space.known[best] <= space.known[here]:
             break
-        here = refined(scan.space, best)
+        here = refined(space, best)
 
 
 def _neighbours(scan: Scan, here: Structure, done: set[Structure]) -> None:
     """All additions, removals and swaps of one structure."""
     check()
     done.add(here)
-    value = scan.space.value(here)
-    _add(scan, here, value)
+    _compare_additions_and_removals(scan, here)
+    _compare_swaps(scan, here)
+
+
+def _compare_additions_and_removals(scan: Scan, here: Structure) -> None:
+    _add(scan, here, scan.space.value(here))
+    for each in sorted(here):
+        scan.space.value(here - {each})
+
+
+def _compare_swaps(scan: Scan, here: Structure) -> None:
     for each in sorted(here):
         without = here - {each}
         _add(scan, without, scan.space.value(without))

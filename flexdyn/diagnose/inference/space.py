@@ -83,7 +83,7 @@ class Space:
         if structure not in self.known:
             own = self.gram.estimate(self.columns(structure))
             columns, mean = self.gram.with_base(own)
-            squares = self.matrix.products.squares(columns, mean)
+            squares = self.gram.squares(own)
             prior = self.matrix.prior
             off = mean - prior.mean[columns]
             value = self.noise.log_likelihood(squares) - 0.5 * float(off @ (prior.precision[columns] * off))
