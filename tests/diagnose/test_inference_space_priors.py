@@ -148,6 +148,7 @@ def test_a_harmonic_that_is_no_whole_number_costs_more() -> None:
         atol=1e-12,
     )
     space.candidates[0].ratio = 25.3
+    space.under(space.noise)  # anew: priors of points are remembered
     priors = np.array([space.log_prior(frozenset({(0, p)})) for p in range(5)])
     np.testing.assert_allclose(
         priors - priors[0], [0.0, -WHOLE_NUMBER_LOG_ODDS, 0.0, 0.0, -WHOLE_NUMBER_LOG_ODDS], atol=1e-12

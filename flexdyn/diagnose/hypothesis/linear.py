@@ -21,7 +21,7 @@ from flexdyn.errors import SimulationError
 SAME_DERIVATIVE_DISTANCE = 0.05
 """If a number differs more from its given value, its derivative is computed again [1]."""
 SAME_SLOPE_STEPS = 5.0
-"""Slopes of the file's numbers are kept for changes of an unknown up to this multiple of its scale [1]."""
+"""Slopes are kept for changes of an unknown up to this multiple of its scale [1]."""
 OUT_OF_TOLERANCE_WIDTH = 1e3
 """Relative width of the prior of a number that is out of its tolerance."""
 NOT_FINITE = "the equations are not finite along the measured motion"
@@ -34,7 +34,7 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
     Args:
         hypothesis: of the model.
         space: data, weights and the derivatives that do not change.
-        before: the same effects with other numbers; if these are near, its slopes of the file's numbers are used.
+        before: the same effects with other numbers; if these are near, its slopes are used.
         at: the equations of the hypothesis; None: they are computed.
 
     Raises:
@@ -47,9 +47,8 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
     scales = tuple(tangent_scale(effect, name) for effect, name in unknowns)
     taken = None if before is None else before.taken or before.hypothesis
     near = before if taken is not None and _near(hypothesis, taken) else None
-    known = None if near is None else near.regression.X[:, : len(hypothesis.factors)]
     with SILENT():
-        y, X = _rows(hypothesis, at, along, here, scales, known)
+        y, X = _rows(hypothesis, at, along, here, scales) if near is None else _same_slopes(near, at, here, scales)
         finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
     if not finite:
         raise SimulationError(NOT_FINITE, reason="overflow")
@@ -82,17 +81,9 @@ def _near(one: Hypothesis, other: Hypothesis) -> bool:
 
 
 def _rows(
-    hypothesis: Hypothesis,
-    at: Equations,
-    along: Equations,
-    space: Workspace,
-    scales: tuple[float, ...],
-    known: Array | None,
+    hypothesis: Hypothesis, at: Equations, along: Equations, space: Workspace, scales: tuple[float, ...]
 ) -> tuple[Array, Array]:
-    """White residuals (rows,) and their slopes by the numbers, the unknowns and the encoders' offsets (rows, k).
-
-    Slopes by the numbers may be given.
-    """
+    """White residuals (rows,) and their slopes by the numbers, the unknowns and the encoders' offsets (rows, k)."""
 
     def slope(unknown: tuple[tuple[Effect, str], float]) -> Array:
         (effect, name), scale = unknown
@@ -101,8 +92,17 @@ def _rows(
 
     slopes = in_parallel(slope, zip(hypothesis.unknowns(), scales, strict=True))
     white, nuisance = space.beside_nuisance(np.stack([at.residual, *slopes], axis=1))
-    numbers = _slopes_of_numbers(hypothesis, along, space) if known is None else known
+    numbers = _slopes_of_numbers(hypothesis, along, space)
     return white[:, 0], np.column_stack([numbers, white[:, 1:], nuisance])
+
+
+def _same_slopes(near: Fit, at: Equations, space: Workspace, scales: tuple[float, ...]) -> tuple[Array, Array]:
+    """The same with the slopes of a fit that is near."""
+    X = (near.free or near.regression).X.copy()
+    first, end = len(near.hypothesis.factors), X.shape[1] - space.unknown.shape[1]
+    X[:, first:end] *= np.array(scales) / np.array(near.scales)
+    white, X[:, end:] = space.beside_nuisance(at.residual)
+    return white[:, 0], X
 
 
 def _at_bounds(hypothesis: Hypothesis, regression: Regression, scales: tuple[float, ...]) -> tuple[int, ...]:

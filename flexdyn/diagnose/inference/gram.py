@@ -137,8 +137,9 @@ class Gram:
         """The posterior of one structure, of its own columns alone."""
         lam, mu = self.prior.precision[columns], self.prior.mean[columns]
         factor = lower_factor(self.between(columns, columns) + np.diag(lam))
-        mean = cho_solve((factor, True), self.b[columns] + lam * mu)
-        covariance = cho_solve((factor, True), np.eye(len(columns)))
+        right = np.column_stack([np.eye(len(columns)), self.b[columns] + lam * mu])
+        solved = cho_solve((factor, True), right, overwrite_b=True, check_finite=False)
+        covariance, mean = solved[:, :-1], solved[:, -1]
         volume = self.log_volume + 0.5 * float(np.log(lam).sum()) - float(np.log(np.diag(factor)).sum())
         bounded = self.prior.positive[columns]
         ratio = mean[bounded] / np.sqrt(np.maximum(np.diag(covariance)[bounded], 1e-300))

@@ -7,7 +7,7 @@ from collections.abc import Collection
 import numpy as np
 from scipy.special import betaln
 
-from flexdyn.arrays import Indices
+from flexdyn.arrays import Flags, Indices
 from flexdyn.diagnose.constants import OCCAM_WINDOW
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.model_error import ModelError
@@ -44,6 +44,7 @@ class Scan:
                     self.owner += [(c, p) for p in range(len(each.points))]
             self.tables.append(np.array(rows))
         self.of = np.array([c for c, _ in self.owner])
+        self.clashes: dict[int, Flags] = {}
         cost = [self.space.costs(c, p) for c, p in self.owner]
         self.grid = np.array(cost) - np.log([candidates[c].choices for c in self.of])
         self.grid += [log_harmonic(candidates[c], p) for c, p in self.owner]
@@ -84,17 +85,17 @@ class Scan:
         for each in held:  # another law of a place that counts already
             gain[self.alike[each]] -= price[self.kinds.index(each[0])]
         for c, _ in structure:
-            gain[np.isin(self.of, self.clash[c])] = -np.inf
+            gain[self._clashes(c)] = -np.inf
         order = np.lexsort((np.arange(len(gain)), -gain))
-        seen: set[int] = set()
-        found = []
-        for k in order.tolist():
-            if not np.isfinite(gain[k]):
-                break
-            if self.owner[k][0] not in seen:
-                seen.add(self.owner[k][0])
-                found.append((float(gain[k]), self.owner[k]))
-        return found
+        firsts = np.sort(np.unique(self.of[order], return_index=True)[1])  # the best point of each candidate
+        best = order[firsts]
+        return [(float(gain[k]), self.owner[k]) for k in best[np.isfinite(gain[best])].tolist()]
+
+    def _clashes(self, c: int) -> Flags:
+        """Grid points that may not stand beside a candidate (points,)."""
+        if c not in self.clashes:
+            self.clashes[c] = np.isin(self.of, self.clash[c])
+        return self.clashes[c]
 
 
 def nested(one: Candidate, other: Candidate) -> bool:

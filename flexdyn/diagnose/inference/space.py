@@ -17,7 +17,7 @@ from flexdyn.diagnose.inference.model_error import ModelError, Seen
 from flexdyn.diagnose.inference.priors import EVERY_MOTOR
 from flexdyn.diagnose.inference.structure_prior import log_harmonic, log_places
 from flexdyn.diagnose.inference.torque_shares import contained, share_apart, torque_share
-from flexdyn.diagnose.lazy import lazy
+from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.effects import Effect, JointEffect
 
 Structure = frozenset[tuple[int, int]]
@@ -45,6 +45,7 @@ class Space:
         """Compare under a model error from now on."""
         self.noise = noise
         self.known: dict[Structure, float] = {}
+        self._points: dict[tuple[int, int], float] = {}
         self.weigh(noise)
 
     def forget(self) -> None:
@@ -122,30 +123,35 @@ class Space:
         return tuple(k for k, n in enumerate(self.library.start.factors) if n.tolerance * NEGATIVE_SIGMAS > 1.0)
 
     def log_large(self, structure: Structure, own: Estimate) -> float:
-        """Log probability that every effect is large enough to be one: the prior leaves out negligible sizes."""
-        first, total, matrix = 0, 0.0, self.matrix
-        for c, p in sorted(structure):
-            columns = self.candidates[c].columns[p]
-            here = slice(first, first + len(columns))
-            first += len(columns)
-            number = self.candidates[c].number
-            if number is not None:  # a mass, a stiffness, a level: its factor is positive
-                mean, spread = float(own.mean[here][0]), float(np.sqrt(own.covariance[here, here][0, 0]))
-                factor = self.library.start.factors[number] + mean
-                total += float(log_ndtr(factor / max(spread, 1e-12)))
+        """Log probability that every effect is large enough to be one: the prior leaves out negligible sizes.
+
+        Masses, stiffnesses and levels of the file have factors, which are positive.
+        """
+        if not structure:
+            return 0.0
+        points, matrix, total = sorted(structure), self.matrix, 0.0
+        blocks = [self.candidates[c].columns[p] for c, p in points]
+        first = np.cumsum([0, *map(len, blocks)])
+        weight, variance = matrix.size[own.columns], np.diag(own.covariance)
+        share = np.sqrt(np.add.reduceat((weight * own.mean) ** 2, first[:-1]))
+        spread = np.sqrt(np.add.reduceat(weight**2 * variance, first[:-1]))
+        least = matrix.smallest[own.columns[first[:-1]]]
+        for k, (c, _) in enumerate(points):
+            candidate, columns, here = self.candidates[c], blocks[k], slice(first[k], first[k + 1])
+            if candidate.number is not None:
+                share[k] = self.library.start.factors[candidate.number] + own.mean[first[k]]
+                spread[k], least[k] = math.sqrt(variance[first[k]]), 0.0
                 continue
             if matrix.gained[columns[0]] > 0.0:
                 # The rows are in applied torque: those of recorded torque have the density of (1 + gain) times as much.
                 rows = matrix.gained[columns[0]] * self.tempered(columns[0])
-                total += self._in_slopes(c) * rows * math.log(max(1.0 + float(own.mean[here][0]), 0.01))
-            weight = matrix.size[columns]
-            share = torque_share(self.candidates[c], weight, own.mean[here])
-            plain = [self.candidates[k].columns[0] for k in self.contained[c]]
-            if plain:  # it must be large by itself, beyond what a plainer law can do
-                share *= share_apart(self.gram, columns, own.mean[here], plain)
-            spread = float(np.sqrt((weight**2 * np.diag(own.covariance)[here]).sum()))
-            total += float(log_ndtr((share - matrix.smallest[columns[0]]) / max(spread, 1e-12)))
-        return total
+                total += self._in_slopes(c) * rows * math.log(max(1.0 + float(own.mean[first[k]]), 0.01))
+            if candidate.stands is not None:
+                share[k] = torque_share(candidate, weight[here], own.mean[here])
+            if plain := [self.candidates[other].columns[0] for other in self.contained[c]]:
+                # It must be large by itself, beyond what a plainer law can do.
+                share[k] *= share_apart(self.gram, columns, own.mean[here], plain)
+        return total + float(log_ndtr((share - least) / np.maximum(spread, 1e-12)).sum())
 
     def own_share(self, structure: Structure, c: int, other: int) -> float:
         """Share of its joint's torque that a candidate of a structure has and another one in its place cannot make [1].
@@ -192,16 +198,24 @@ class Space:
 
     def log_prior(self, structure: Structure) -> float:
         """Log prior of a structure; the points of a candidate's grid are equally likely."""
-        total = self.log_places(structure)
-        for c, p in structure:
+        return self.log_places(structure) + sum(self._log_point(*each) for each in sorted(structure))
+
+    def _log_point(self, c: int, p: int) -> float:
+        """Log prior of a grid point, and what it costs; remembered."""
+        if (c, p) not in self._points:
             candidate = self.candidates[c]
-            total += self.costs(c, p) - math.log(candidate.choices)
-            total += log_harmonic(candidate, p)
-        return total
+            likely = log_harmonic(candidate, p) - math.log(candidate.choices)
+            self._points[c, p] = self.costs(c, p) + likely
+        return self._points[c, p]
 
     def log_places(self, structure: Structure) -> float:
         """Log prior of which laws are where: what is believed of drives beforehand, whatever the data say."""
-        return log_places(Counter(group for group, _ in self.held(structure)), self.places)
+        return self._log_places_of(frozenset(c for c, _ in structure))
+
+    @kept
+    def _log_places_of(self, candidates: frozenset[int]) -> float:
+        held = self.held(frozenset((c, 0) for c in candidates))
+        return log_places(Counter(group for group, _ in held), self.places)
 
     def held(self, structure: Structure) -> list[tuple[str, object]]:
         """Groups of which a structure has something, with the places where; two laws of one place count once there."""
