@@ -15,6 +15,7 @@ from flexdyn.control.points import command_of
 from flexdyn.control.samples import Samples
 from flexdyn.control.setting_checks import per_joint
 from flexdyn.effects import CouplingEffect, Effect, InertiaEffect, JointEffect, SensorEffect, effect_from_dict
+from flexdyn.effects.catalogue import names_where
 from flexdyn.errors import InputError, placed, retold
 from flexdyn.io.locked import frozen
 from flexdyn.model.given_number import UNKNOWN
@@ -163,7 +164,8 @@ def _check(robot: Robot, joints: Mapping[str, Joint], softened: set[str], effect
         if effect.makes_elastic:
             _check_softening(effect, joints[name])
         elif not joints[name].elastic and name not in softened and (effect.side == "transmission" or effect.takes_load):
-            remedy = f"give joints.{name} a finite stiffness, or the effect joint_elasticity"
+            elastic = names_where(lambda kind: kind.makes_elastic)
+            remedy = f"give joints.{name} a finite stiffness, or the effect {elastic}"
             raise InputError(f"{effect.name} needs an elastic joint", key="joint", value=name, remedy=remedy)
 
 
@@ -172,14 +174,15 @@ def _check_replaced(robot: Robot, effect: JointEffect) -> None:
     if effect.stage == "link":
         return
     moved_by = " and ".join(axis for axis, entry in robot.axes.items() if effect.joint in entry)
-    remedy = f"name an axis that moves it, {moved_by}; end_stop, parallel_spring and position_torque may name the joint"
+    free = names_where(lambda kind: kind.stage == "link")
+    remedy = f"name an axis that moves it, {moved_by}; {free} may name the joint"
     raise InputError(f"{effect.name} acts on axes", key="joint", value=effect.joint, remedy=remedy)
 
 
 def _check_softening(effect: JointEffect, joint: Joint) -> None:
     name = effect.joint
     if joint.elastic:
-        remedy = f"change joints.{name}.stiffness, or use hardening_spring"
+        remedy = f"change joints.{name}.stiffness"
         raise InputError(f"{effect.name} needs a rigid joint", key="joint", value=name, remedy=remedy)
     if joint.rotor_inertia == 0 and not joint.given("rotor_inertia").is_unknown:
         remedy = f"give joints.{name}.rotor_inertia in kg m^2 on the motor side"
