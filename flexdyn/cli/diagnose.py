@@ -15,7 +15,7 @@ from flexdyn.cli import diagnose_inputs
 from flexdyn.cli.failures import ProgramInterrupted
 from flexdyn.cli.options import JsonOption, ModelArgument, naming, option, output_option
 from flexdyn.cli.output import note, show, show_json
-from flexdyn.cli.recordings import load_each, trimmed
+from flexdyn.cli.recordings import load_each, trimmed_recordings
 from flexdyn.cli.target import model_file
 from flexdyn.errors import check_installed
 
@@ -51,10 +51,10 @@ class DiagnoseCommand(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the arguments."""
         takes = {name: 0 if getattr(entry, "is_flag", False) else 1 for entry in self.params for name in entry.opts}
-        return list(super().parse_args(ctx, spread(args, takes)))
+        return list(super().parse_args(ctx, repeated_option(args, takes)))
 
 
-def spread(args: Sequence[str], takes: Mapping[str, int]) -> list[str]:
+def repeated_option(args: Sequence[str], takes: Mapping[str, int]) -> list[str]:
     """The arguments with an option ``--check`` before every recording that follows ``--check``.
 
     Only after MODEL and FIT: before them the next word is MODEL or FIT.
@@ -107,7 +107,7 @@ def diagnose(
     arm = model_file(model)
     diagnose_inputs.check_targets(arm, targets)
     blocks = [diagnose_inputs.block_of(text) for text in hold_out or ()]
-    loaded = trimmed(load_each([*fit, *checks], maps or ()), trim or ())
+    loaded = trimmed_recordings(load_each([*fit, *checks], maps or ()), trim or ())
     recordings = [loaded[: len(fit)], loaded[len(fit) :]]
     from flexdyn.diagnose import diagnose as run
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from flexdyn.cli import options
-from flexdyn.cli.output import note, number, progress, show, show_json, table
+from flexdyn.cli.output import cell, note, progress, show, show_json, table
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import model_file
 from flexdyn.errors import InputError
@@ -188,7 +188,7 @@ def _report(run: Run, path: Path) -> list[Any]:
     """The table of a run."""
     stats, joints = run.stats, summary(run, path)["joints"]
     head = (
-        f"{path}: {number(float(run.t[-1]), 6)} s of {run.model.name}, {len(run.t)} samples; "
+        f"{path}: {cell(float(run.t[-1]), 6)} s of {run.model.name}, {len(run.t)} samples; "
         f"{type(run.solver).__name__}, {stats['steps']} steps, {stats['rejected']} rejected, "
         f"{stats['evaluations']} evaluations, {stats['events']} events"
     )
@@ -197,7 +197,7 @@ def _report(run: Run, path: Path) -> list[Any]:
     rows = []
     for j, (name, entry) in enumerate(joints.items()):
         unit = f"{run.model.robot.angle_unit(j)}, {run.model.robot.torque_unit(j)}"
-        rows.append((name, unit, *(number(float(entry[key])) for key in keys)))
+        rows.append((name, unit, *(cell(float(entry[key])) for key in keys)))
     return [
         head,
         table(

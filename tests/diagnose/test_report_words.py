@@ -11,11 +11,11 @@ import flexdyn as fd
 from flexdyn.diagnose.report.digits import (
     estimate_text,
     evidence_text,
+    factor_text,
     interval_text,
     likely,
     percent,
     probability_text,
-    relative,
     rounded,
     value_text,
 )
@@ -221,7 +221,7 @@ def test_digits_follow_from_the_uncertainty() -> None:
 def test_changes_read_as_percent() -> None:
     """Two digits below ten percent, whole ones above; no change is none; a multiple is a multiple."""
     minus = "\N{MINUS SIGN}"
-    told = {factor: relative(factor) for factor in (1.0123, 0.9, 2.9, 1.0 + 1e-9, 4.0)}
+    told = {factor: factor_text(factor) for factor in (1.0123, 0.9, 2.9, 1.0 + 1e-9, 4.0)}
     assert list(told.values()) == ["+1.2 %", f"{minus}10 %", "+190 %", "none", "4 times what is given"]
 
 

@@ -187,7 +187,7 @@ def stated_units(table: Table) -> dict[str, str | None]:
     return {**stated, **table.units}
 
 
-def units_of(channel_map: ChannelMap, conversions: Sequence[Conversion]) -> dict[str, str]:
+def undetermined_units(channel_map: ChannelMap, conversions: Sequence[Conversion]) -> dict[str, str]:
     """Units that the channels' names do not determine: of prismatic joints, and of channels that are no signals.
 
     Raises:

@@ -27,7 +27,7 @@ def as_choice(key: str, value: Any, known: Collection[str]) -> str:
     return str(value)
 
 
-def as_source(key: str, value: Any) -> str | int:
+def checked_column(key: str, value: Any) -> str | int:
     """Check a column, given by name or number.
 
     Raises:
@@ -94,7 +94,7 @@ def time_of(entry: Any) -> TimeSource:
         known = [name for name, known in UNITS.items() if known.quantity == "time"]
         check_known(unit, known, "no unit of time", key="time.unit", value=unit)
     return TimeSource(
-        as_source("time.from", entry.get("from", TIME)),
+        checked_column("time.from", entry.get("from", TIME)),
         unit,
         as_finite("time", "rate", entry["rate"], positive=True) if "rate" in entry else None,
         as_choice("time.start", entry.get("start", "keep"), ("keep", "zero")),

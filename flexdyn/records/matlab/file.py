@@ -48,7 +48,7 @@ def write(rec: Recording, path: Path) -> None:
             variables[variable] = rec.channels[name]
     columns = max((len(value) for value in variables.values() if isinstance(value, dict)), default=1)
     if rec.t.nbytes * columns >= LARGEST_V5:
-        v73.write(variables, path)
+        v73.write_v73(variables, path)
         return
     from scipy.io import savemat
 

@@ -26,7 +26,7 @@ _BLOCK = 512
 _LONGEST_TEXT = 2**24
 
 
-def write(variables: dict[str, Any], path: Path) -> None:
+def write_v73(variables: dict[str, Any], path: Path) -> None:
     """Write columns, structs of columns and texts as MATLAB does with ``save -v7.3``.
 
     Args:

@@ -34,9 +34,9 @@ def read(path: Path, request: Request) -> Table:
         MissingExtra: rosbags is not installed.
     """
     _need_rosbags()
-    from flexdyn.records.ros.reading import read as inner
+    from flexdyn.records.ros.reading import read_bag
 
-    return inner(path, request)
+    return read_bag(path, request)
 
 
 def write(rec: Recording, path: Path, suffix: str) -> None:
@@ -54,7 +54,7 @@ def write(rec: Recording, path: Path, suffix: str) -> None:
         MissingExtra: rosbags is not installed.
     """
     _need_rosbags()
-    from flexdyn.records.ros.writing import write as inner
+    from flexdyn.records.ros.writing import write_bag as inner
 
     inner(rec, path, suffix)
 

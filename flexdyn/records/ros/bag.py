@@ -26,7 +26,7 @@ from flexdyn.records.ros.guard import (
     unpacked,
 )
 from flexdyn.records.ros.walk import Fields, MessageLayout, lay_out
-from flexdyn.records.ros.words import check_word, listed
+from flexdyn.records.ros.words import check_word, shortened_list
 from flexdyn.records.table import damage_named
 
 _SQLITE_LIMIT_LENGTH = 0
@@ -152,7 +152,7 @@ def _add_topics(bag: Bag, number: int, storage: Any) -> None:
         check_word(connection.msgtype, "message type")
         topic = bag.topics.setdefault(connection.topic, Topic(connection.topic, connection.msgtype))
         if topic.msgtype != connection.msgtype:
-            problem = f"the topic has messages of {listed((topic.msgtype, connection.msgtype))}"
+            problem = f"the topic has messages of {shortened_list((topic.msgtype, connection.msgtype))}"
             raise InputError(problem, key=topic.name, remedy="split the bag")
         topic.connections.setdefault(number, []).append(connection)
         if topic.count is not None:

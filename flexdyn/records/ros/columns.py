@@ -44,7 +44,7 @@ _FIELDS_OF_SIGNALS: Mapping[str, tuple[tuple[str, str], ...]] = {
 """The columns of each signal; the first one that a message has is used."""
 
 
-def columns_of(layout: MessageLayout, msgtype: str) -> dict[str, MessageNumber]:
+def message_columns(layout: MessageLayout, msgtype: str) -> dict[str, MessageNumber]:
     """The numbers of a message by the name of their column.
 
     Raises:

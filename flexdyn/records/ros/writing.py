@@ -26,7 +26,7 @@ from flexdyn.records.ros.columns import (
     FIELDS,
     JOINT_STATE,
     OWN_TOPICS,
-    columns_of,
+    message_columns,
     stamp_of,
 )
 from flexdyn.records.ros.definitions import control_types
@@ -47,7 +47,7 @@ class Group:
     channels: dict[str, str]
 
 
-def write(rec: Recording, path: Path, suffix: str) -> None:
+def write_bag(rec: Recording, path: Path, suffix: str) -> None:
     """Write a bag; see the package's docstring."""
     stamps, zero = _stamps(rec)
     channels = list(rec.channels)
@@ -167,7 +167,7 @@ def _block(rec: Recording, group: Group, raw: bytes, stamps: Integers, some: sli
     if seconds is not None and nanos is not None:
         seconds.put(block, stamps // NANO)
         nanos.put(block, stamps % NANO)
-    numbers = columns_of(layout, group.msgtype)
+    numbers = message_columns(layout, group.msgtype)
     for column, channel in group.channels.items():
         numbers[column].put(block, (rec.t if channel == "t" else rec[channel])[some])
     return block

@@ -120,7 +120,7 @@ def derivatives(
     return Derivatives(rec, smoother, noise)
 
 
-def smoothed(rec: Recording, smoother: Smoother) -> Recording:
+def smoothed_channels(rec: Recording, smoother: Smoother) -> Recording:
     """Smooth every channel with one filter, at the times that it covers; torques are taken as held between samples.
 
     Args:
