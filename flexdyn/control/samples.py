@@ -107,7 +107,12 @@ class Samples:
         return curve(self.t, columns, self.interpolation)
 
     def at(self, t: Array, columns: Array) -> Array:
-        """Columns at times from the first sample on (times, width); after the end their last value."""
+        """Columns at times from the first sample on (times, width); after the end their last value.
+
+        Args:
+            t: times from the first sample on (times,) [s].
+            columns: values at the samples (samples, width).
+        """
         from scipy.interpolate import PPoly
 
         breaks, coefficients, last = self.pieces(columns)

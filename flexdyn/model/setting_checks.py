@@ -36,7 +36,11 @@ def one_of(key: str, value: str, allowed: tuple[str, ...]) -> str:
 
 
 def gravity_checked(value: Any) -> tuple[float, float, float]:
-    """Check for three finite numbers [m/s^2]."""
+    """Check for three finite numbers [m/s^2].
+
+    Raises:
+        InputError: it is something else.
+    """
     listed = list(value) if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) else []
     numbers = [as_number(component) for component in listed]
     if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
@@ -45,7 +49,15 @@ def gravity_checked(value: Any) -> tuple[float, float, float]:
 
 
 def initial_checked(entries: Mapping[str, Any], names: tuple[str, ...]) -> Mapping[str, Mapping[str, float]]:
-    """First positions and velocities, by signal and joint, read-only."""
+    """First positions and velocities, by signal and joint, read-only.
+
+    Args:
+        entries: as given.
+        names: of the joints.
+
+    Raises:
+        InputError: an unknown signal or joint, or a value that is no finite number.
+    """
     checked = {}
     if not isinstance(entries, Mapping):
         raise InputError("a mapping is needed", key="initial", value=entries, remedy="write {q: {JOINT: value}}")
@@ -180,6 +192,7 @@ def _check_replaced(robot: Robot, effect: JointEffect) -> None:
 
 
 def _check_softening(effect: JointEffect, joint: Joint) -> None:
+    """Refuse an elasticity where the joint has one already, or no rotor that could move."""
     name = effect.joint
     if joint.elastic:
         remedy = f"change joints.{name}.stiffness"

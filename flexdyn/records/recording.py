@@ -91,6 +91,7 @@ class Recording(Public):
     def _fill(
         self, columns: Mapping[str, npt.ArrayLike], meta: Mapping[str, Any] | None, name: str, rows: Rows, *, copy: bool
     ) -> None:
+        """Check columns and meta data, and store them read-only."""
         t, channels = checked(columns, rows, copy=copy)
         known = locked(meta)
         check_units(known.get("units", {}), channels)

@@ -150,6 +150,7 @@ def enforce_limits(
     M = LinkSide(model).mass_matrix(first_positions(model))
 
     def stop(joint: str, limits: tuple[float, float], fastest: float, inertia: float) -> None:
+        """Add an end stop, unless the joint has one."""
         if _keeps_to(model, "range", joint):
             return
         K = (fastest / TRAVEL) ** 2 * inertia if stiffness is None else stiffness

@@ -88,7 +88,12 @@ class LinkSide:
         return self._filled(self._links.acceleration, q, v, tau)
 
     def energy(self, q: ArrayLike, v: ArrayLike) -> tuple[Array, Array]:
-        """Kinetic and gravitational energy (...,) [J]; the kinetic one includes the rotors of rigid joints."""
+        """Kinetic and gravitational energy (...,) [J]; the kinetic one includes the rotors of rigid joints.
+
+        Args:
+            q: link positions (..., n) [rad or m].
+            v: their velocities (..., n).
+        """
         q_, v_ = self._columns(q, v)
         kinetic, potential = np.empty(q_.shape[:-1]), np.empty(q_.shape[:-1])
         self._links.energy(q_, v_, kinetic, potential)

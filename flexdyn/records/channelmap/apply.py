@@ -159,7 +159,12 @@ def undelayed(table: Table, delays: Mapping[str, float]) -> Table:
 
 
 def clocked(time: TimeSource, t: Array) -> Array:
-    """The times from the requested start, shifted."""
+    """The times from the requested start, shifted.
+
+    Args:
+        time: what the map says of the clock.
+        t: times in the file [s].
+    """
     if time.start == "zero" and len(t):
         t = t - t[0]
     return t + time.shift if time.shift else t

@@ -30,6 +30,10 @@ def as_choice(key: str, value: Any, known: Collection[str]) -> str:
 def checked_column(key: str, value: Any) -> str | int:
     """Check a column, given by name or number.
 
+    Args:
+        key: for the message.
+        value: as given.
+
     Raises:
         InputError: it is neither.
     """
@@ -42,6 +46,10 @@ def checked_column(key: str, value: Any) -> str | int:
 
 def as_text(key: str, value: Any) -> str:
     """Check for a text that is not blank.
+
+    Args:
+        key: for the message.
+        value: as given.
 
     Raises:
         InputError: it is something else.

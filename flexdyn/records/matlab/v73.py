@@ -58,6 +58,10 @@ def _write_column(group: Any, name: str, values: Array) -> None:
 def read_here(path: Path, request: Request) -> Table:
     """Read the requested columns, from one variable after the other.
 
+    Args:
+        path: of the file.
+        request: what is wanted, and how the file is laid out.
+
     Raises:
         InputError: not an HDF5 file, truncated, links or storage outside the file, impossible sizes.
         MissingExtra: h5py is not installed.

@@ -29,6 +29,10 @@ from flexdyn.records.table import Table
 def read(path: Path, request: Request) -> Table:
     """Read the requested topics.
 
+    Args:
+        path: of the file.
+        request: what is wanted, and how the file is laid out.
+
     Raises:
         InputError: not a bag, a damaged one, no clear topic, joints that change between messages, no stamps.
         MissingExtra: rosbags is not installed.

@@ -69,7 +69,11 @@ class Bag:
     _fields: dict[str, list[Fields]] = field(default_factory=dict)
 
     def messages(self, topics: Sequence[Topic]) -> Iterator[tuple[str, int, bytes]]:
-        """Topic, time of recording [ns] and bytes of every message of some topics."""
+        """Topic, time of recording [ns] and bytes of every message of some topics.
+
+        Raises:
+            InputError: a message is not bytes, or too long; or the bag is damaged.
+        """
         for number, storage in enumerate(self.storages):
             wanted = [connection for topic in topics for connection in topic.connections.get(number, ())]
             with _errors_of_rosbags():
@@ -80,7 +84,12 @@ class Bag:
                     yield connection.topic, time, raw if self.unpack is None else self.unpack(raw)
 
     def layout(self, topic: Topic, raw: bytes) -> MessageLayout:
-        """The layout of a message; if the bag does not define its type, that of the first type that fits."""
+        """The layout of a message; if the bag does not define its type, that of the first type that fits.
+
+        Args:
+            topic: of the message.
+            raw: its bytes.
+        """
         if topic.name not in self._fields:
             connection = next(iter(topic.connections.values()))[0]
             self._fields[topic.name] = list(stored(connection.msgdef, topic.msgtype, cdr=self.cdr))

@@ -28,7 +28,15 @@ TEXT_MESSAGE = "std_msgs/msg/String"
 
 
 def read_bag(path: Path, request: Request) -> Table:
-    """Read the requested topics; see the package's docstring."""
+    """Read the requested topics; see the package's docstring.
+
+    Args:
+        path: of the bag.
+        request: what is wanted, and how the file is laid out.
+
+    Raises:
+        InputError: as in the package's docstring.
+    """
     check_known(request.layout.clock, CLOCKS, "no such clock", key="source.clock", value=request.layout.clock)
     with opened(path) as bag:
         own = _own(bag, request)

@@ -73,7 +73,11 @@ class Wanted:
         return {out: columns[name] for name, out in self.names.items()}
 
     def check(self) -> None:
-        """Refuse columns that no message had."""
+        """Refuse columns that no message had.
+
+        Raises:
+            InputError: the topic has no such column.
+        """
         if missing := [name for name in self.names if name not in self.found]:
             problem, remedy = f"the topic {self.topic} has no such column", nearest_name(missing[0], self.known)
             raise InputError(problem, remedy=remedy, channel=missing[0])
@@ -101,7 +105,12 @@ class Series:
         self._bytes = 0
 
     def add(self, time: int, raw: bytes) -> bool:
-        """Take one message; True if a block was processed."""
+        """Take one message; True if a block was processed.
+
+        Args:
+            time: of recording [ns].
+            raw: bytes of the message.
+        """
         self._times.append(time)
         self._raws.append(raw)
         self._bytes += len(raw)
@@ -111,7 +120,11 @@ class Series:
         return True
 
     def flush(self) -> None:
-        """Process the collected messages."""
+        """Process the collected messages.
+
+        Raises:
+            InputError: more messages than the index announces, or one of another form than its type has.
+        """
         raws, times = self._raws, self._times
         self._raws, self._times, self._bytes = [], [], 0
         if not raws:
@@ -144,7 +157,11 @@ class Series:
         self.seen += len(raws)
 
     def finish(self) -> None:
-        """Process the rest and release the memory that was not needed."""
+        """Process the rest and release the memory that was not needed.
+
+        Raises:
+            InputError: a requested column is missing, or every stamp is zero.
+        """
         self.flush()
         self.pick.check()
         if self.filled < len(self.stamps):
@@ -183,6 +200,7 @@ class Series:
         return values
 
     def _append(self, values: Array, stamps: Integers, keep: Flags) -> None:
+        """Store the samples that are kept."""
         if not keep.any():
             return
         end = self.filled + int(keep.sum())

@@ -31,7 +31,12 @@ def shortened_list(names: Iterable[str]) -> str:
 
 
 def nearest_name(word: str, known: Iterable[str]) -> str:
-    """The most similar name, if there is one, else the first of the existing names."""
+    """The most similar name, if there is one, else the first of the existing names.
+
+    Args:
+        word: that is not known.
+        known: all names.
+    """
     every = list(known)
     found = did_you_mean(word, every)
     return found if found.startswith("did") else f"known: {shortened_list(every)}"

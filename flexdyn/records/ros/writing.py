@@ -48,7 +48,13 @@ class Group:
 
 
 def write_bag(rec: Recording, path: Path, suffix: str) -> None:
-    """Write a bag; see the package's docstring."""
+    """Write a bag; see the package's docstring.
+
+    Args:
+        rec: the recording.
+        path: of the new file.
+        suffix: ``.bag``, ``.mcap`` or ``.db3``.
+    """
     stamps, zero = _stamps(rec)
     channels = list(rec.channels)
     note = as_json({"zero_ns": zero, "channels": channels, "meta": as_plain(rec.meta)})

@@ -102,7 +102,13 @@ def shifted(rec: Recording, seconds: float | Mapping[str, float]) -> Recording:
 
 
 def samples_between(rec: Recording, low: int, high: int) -> Recording:
-    """The samples from one row to before another."""
+    """The samples from one row to before another.
+
+    Args:
+        rec: the recording.
+        low: first row.
+        high: row behind the last one.
+    """
     return made(rec, {"t": rec.t[low:high], **{name: values[low:high] for name, values in rec.channels.items()}})
 
 
@@ -112,7 +118,13 @@ def with_channels(rec: Recording, channels: Mapping[str, Array]) -> Recording:
 
 
 def made(rec: Recording, columns: Mapping[str, Array], *, meta: bool = True) -> Recording:
-    """A recording of the same kind with other samples."""
+    """A recording of the same kind with other samples.
+
+    Args:
+        rec: that gives kind, name and meta data.
+        columns: ``t`` and the channels.
+        meta: whether the meta data stay.
+    """
     copies = {name: np.array(values, float) for name, values in columns.items()}
     return type(rec).from_table(Table(copies, as_plain(rec.meta) if meta else {}), rec.name)
 

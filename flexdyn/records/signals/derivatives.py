@@ -67,6 +67,9 @@ class Derivatives(Locked):
         Args:
             channel: one of those in `noise`.
             order: ``"value"``, ``"first"`` or ``"second"``.
+
+        Raises:
+            InputError: the noise of the channel was not requested.
         """
         if channel not in self.noise:
             raise InputError("the noise of the channel was not requested", key=channel, remedy="name it in channels=")
