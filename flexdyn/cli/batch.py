@@ -28,7 +28,7 @@ STRONGEST = 3
 def batch(
     target: Annotated[Path, typer.Argument(metavar="STUDY|OUT", help="A study file to run, or the store of one.")],
     output: Annotated[
-        Path | None, output_option("OUT", "The Zarr store to write; of --summary a picture, of --extract a folder.")
+        Path | None, output_option("OUT", "The Zarr store to write; with --summary a picture, with --extract a folder.")
     ] = None,
     workers: Annotated[int | None, option("N", "Threads. Default: the processors this process may use.")] = None,
     scheduler: Annotated[
@@ -49,9 +49,10 @@ def batch(
 ) -> None:
     """Run a batch study, or look into the store of one.
 
-    If the process is killed, at most the chunks in progress are lost: --resume continues, and the store is then bit for
-    bit that of one uninterrupted run. The store's status says why a run failed; the others continue. A metric of your
-    own (package.module:function) is imported: run no study file whose Python you do not trust.
+    If the process is killed, at most the chunks in progress are lost: --resume continues, and the store then has
+    the same bits as after a run without interruption. The store's status says why a run failed; the others
+    continue. A metric of your own (package.module:function) is imported: run no study file whose Python you do not
+    trust.
     """
     asked = [name for name, given in (("--summary", summary), ("--extract", extract is not None)) if given]
     if len(asked) > 1:

@@ -33,7 +33,7 @@ MAPS_OPTION = option(
 TRIM_OPTION = option("START:END", "Use this span of every recording, in s; or one for each, in their order.", "--trim")
 HOLD_OUT_OPTION = option(
     "START:END",
-    "A block of the recordings of FIT that is kept apart as test data, in s. May be given again.",
+    "From START to END, in s, the recordings of FIT are kept as test data. May be given several times.",
     "--hold-out",
 )
 EXPECT_OPTION = option("EFFECT", "An effect that the drive is likely to have, by its data sheet.", "--expect")
@@ -96,7 +96,7 @@ def diagnose(
 ) -> None:
     """Find where model and measurement disagree, and name what is missing in the model.
 
-    It writes a report, for people and for programs, and the corrected model. Ctrl-C writes what is known by then.
+    It writes a report, for people and for programs, and the corrected model. On Ctrl-C it writes what is known by then.
     """
     from flexdyn.diagnose.report.result import Interrupted as Partial
 

@@ -56,9 +56,10 @@ def info(
 ) -> None:
     """Show what a robot or model is made of: joints, drives, inertias, frequencies, effects.
 
-    A name that is both (panda) means the shipped model. M_ii is the inertia about a joint at --q with the other
-    joints held; for a rigid joint it includes J. f locked is the frequency with the rotor held, sqrt(K/M_ii)/2pi.
-    f free is the frequency with the rotor free. --modes couples all joints, each spring under its load at --q.
+    A name that a robot and a shipped model share (panda) means the model. M_ii is the inertia about a joint at --q
+    with the other joints held; for a rigid joint it includes J. f locked is the frequency with the rotor held,
+    sqrt(K/M_ii)/2pi. f free is the frequency with the rotor free. --modes couples all joints, each spring under its
+    load at --q.
     """
     picture = _picture(modes, path, output)
     found = find(target)

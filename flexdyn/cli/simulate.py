@@ -68,11 +68,12 @@ def simulate(
     v0: Annotated[list[str] | None, options.option("VALUES", "First link velocities, likewise.")] = None,
     theta0: Annotated[
         list[str] | None,
-        options.option("VALUES", "First rotor positions, likewise, or equilibrium: springs carry gravity."),
+        options.option("VALUES", "First rotor positions, likewise; or equilibrium: the springs then carry gravity."),
     ] = None,
     omega0: Annotated[list[str] | None, options.option("VALUES", "First rotor velocities, likewise.")] = None,
     limits: Annotated[
-        bool, options.flag("--limits", "Keep to the URDF's limits: end stops at the ends of range, motors saturate.")
+        bool,
+        options.flag("--limits", "Keep to the limits in the URDF: end stops at the ends, saturated motors."),
     ] = False,
     as_json: options.JsonOption = False,
 ) -> None:
