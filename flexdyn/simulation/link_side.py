@@ -108,7 +108,7 @@ class LinkSide:
     def _columns(self, *arrays: ArrayLike) -> list[Array]:
         columns = np.broadcast_arrays(*(np.asarray(array, dtype=float) for array in arrays))
         if columns[0].shape[-1:] != (self.n,):
-            raise InputError(f"{self.n} columns are needed, one a joint", key="q", value=columns[0].shape)
+            raise InputError(f"{self.n} columns are needed, one for each joint", key="q", value=columns[0].shape)
         return [np.ascontiguousarray(column) for column in columns]
 
 
