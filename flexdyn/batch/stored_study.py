@@ -6,19 +6,9 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
+from flexdyn.batch import study_keys
 from flexdyn.batch.layout import array_name
 from flexdyn.batch.study import Study
-from flexdyn.batch.study_keys import (
-    MAX_RUNS,
-    check_number_of_runs,
-    checked_channels,
-    checked_distributions,
-    checked_duration,
-    checked_names,
-    checked_pd,
-    checked_seed,
-    checked_solver,
-)
 from flexdyn.checks import whole
 from flexdyn.control.setting_checks import checked_rate
 from flexdyn.errors import InputError
@@ -51,19 +41,19 @@ def stored_study(text: Any) -> Study:
         _check(key, content[key], kind)
     if isinstance(content["command"], Mapping):
         _check("command.pd", content["command"].get("pd"), Mapping)
-        checked_pd(content["command"], "command.pd")
+        study_keys.checked_pd(content["command"], "command.pd")
     else:
         _check("command", content["command"], (str, type(None)))
     for path in content["vary"]:
         _check("vary", path, str)
-    checked_distributions(content["vary"])
-    checked_solver(content["solver"])
-    checked_channels(content["keep"])
-    checked_names("metrics", content["metrics"])
-    check_number_of_runs(*(whole(key, content[key], 1, MAX_RUNS) for key in ("runs", "points")))
-    whole("chunk", content["chunk"], 1, MAX_RUNS)
-    checked_seed(content["seed"])
-    checked_duration(content["duration"])
+    study_keys.checked_distributions(content["vary"])
+    study_keys.checked_solver(content["solver"])
+    study_keys.checked_channels(content["keep"])
+    study_keys.checked_names("metrics", content["metrics"])
+    study_keys.check_number_of_runs(*(whole(key, content[key], 1, study_keys.MAX_RUNS) for key in ("runs", "points")))
+    whole("chunk", content["chunk"], 1, study_keys.MAX_RUNS)
+    study_keys.checked_seed(content["seed"])
+    study_keys.checked_duration(content["duration"])
     checked_rate("rate", content["rate"])
     return Study.from_dict(content)
 

@@ -8,21 +8,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from flexdyn.batch import study_keys
 from flexdyn.batch.cases import Cases, keep, load_command
 from flexdyn.batch.distributions import Distribution, Grid
 from flexdyn.batch.rehearsal import digests, rehearse
 from flexdyn.batch.study import Study
-from flexdyn.batch.study_keys import (
-    RECORDINGS_OF_PD,
-    check_number_of_runs,
-    checked_channels,
-    checked_distributions,
-    checked_duration,
-    checked_names,
-    checked_pd,
-    checked_seed,
-    checked_solver,
-)
 from flexdyn.checks import whole
 from flexdyn.control.setting_checks import checked_rate
 from flexdyn.errors import InputError, placed
@@ -85,7 +75,7 @@ def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
     model = _model(content["model"], folder)
     command = _command(content.get("command"), folder)
     loaded = load_command(command)
-    kinds = checked_distributions(content["vary"])
+    kinds = study_keys.checked_distributions(content["vary"])
     random = any(isinstance(kind, Distribution) for kind in kinds.values())
     points = math.prod(len(kind.values) for kind in kinds.values() if isinstance(kind, Grid))
     runs = _runs(content.get("runs"), points, random)
@@ -97,13 +87,13 @@ def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
         command=command,
         duration=duration,
         rate=rate,
-        solver=checked_solver(content.get("solver")),
+        solver=study_keys.checked_solver(content.get("solver")),
         runs=runs,
         points=points,
-        seed=checked_seed(content.get("seed", 0)),
+        seed=study_keys.checked_seed(content.get("seed", 0)),
         vary={str(path): dict(entry) for path, entry in content["vary"].items()},
-        keep=checked_channels(content.get("keep")),
-        metrics=checked_names("metrics", content.get("metrics")),
+        keep=study_keys.checked_channels(content.get("keep")),
+        metrics=study_keys.checked_names("metrics", content.get("metrics")),
         chunk=_chunk(content.get("chunk"), points * runs, duration * rate, model.n),
         folder=str(folder),
     )
@@ -142,8 +132,8 @@ def _command(entry: Any, folder: Path) -> Any:
 
 def _pd(entry: Any, folder: Path, key: str) -> dict[str, Any]:
     """Settings of the controller, with its recordings' paths absolute."""
-    settings = checked_pd(entry, key)
-    for name in RECORDINGS_OF_PD:
+    settings = study_keys.checked_pd(entry, key)
+    for name in study_keys.RECORDINGS_OF_PD:
         if settings.get(name) is not None:
             settings[name] = str(_path(f"{key}.{name}", settings[name], folder))
     return settings
@@ -165,7 +155,7 @@ def _runs(given: Any, points: int, random: bool) -> int:
         remedy = f"the grid has {points} points, one run each: leave it out"
         raise InputError("nothing is drawn at random", key="runs", value=given, remedy=remedy)
     runs = runs if random else 1
-    check_number_of_runs(runs, points)
+    study_keys.check_number_of_runs(runs, points)
     return runs
 
 
@@ -176,7 +166,7 @@ def _duration(given: Any, model: FlexibleJointModel, command: Any) -> float:
             remedy = "give it in s, or a command that has an end"
             raise InputError("the duration is missing", key="duration", remedy=remedy)
         return length
-    return checked_duration(given)
+    return study_keys.checked_duration(given)
 
 
 def _chunk(given: Any, count: int, samples: float, n: int) -> int:
