@@ -1,4 +1,4 @@
-"""Files: written into a temporary file, which is then renamed, so that nothing is incomplete; texts read up to a size."""
+"""Files: written into temporary ones, which are then renamed, so that nothing is incomplete; texts of bounded size."""
 
 from __future__ import annotations
 
