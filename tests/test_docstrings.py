@@ -27,7 +27,7 @@ PUBLIC = {
     },
 }
 NAMES = sorted(name for name, each in PUBLIC.items() if callable(each) and each not in CATALOGUE)
-DESCRIBED = ("comparison", "control", "effects", "model", "records", "simulation")
+DESCRIBED = ("analysis", "comparison", "control", "effects", "io", "model", "records", "robot", "simulation")
 """Packages of which every public function and method says what it takes and which errors it raises."""
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
@@ -58,10 +58,13 @@ def public_functions(package: str) -> Iterator[tuple[str, ast.FunctionDef]]:
 
 def inherited(function: ast.FunctionDef) -> bool:
     """Whether another method of this name in `flexdyn.effects`, that of a base class, says what it takes."""
-    return any(
-        node.name == function.name and "Args:" in (ast.get_docstring(node) or "")
-        for _, node in public_functions("effects")
-    ) or "See the base class" in (ast.get_docstring(function) or "").replace("see", "See")
+    return (
+        any(
+            node.name == function.name and "Args:" in (ast.get_docstring(node) or "")
+            for _, node in public_functions("effects")
+        )
+        or "see the base class" in (ast.get_docstring(function) or "").lower()
+    )
 
 
 @pytest.mark.parametrize("package", DESCRIBED)

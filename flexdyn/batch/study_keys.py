@@ -129,6 +129,10 @@ def checked_channels(entry: Any) -> tuple[str, ...]:
 def checked_names(key: str, entry: Any) -> tuple[str, ...]:
     """Check a list of names, none of them twice; None: no name.
 
+    Args:
+        key: of the list, for the message.
+        entry: as given.
+
     Raises:
         InputError: it is no such list.
     """

@@ -35,7 +35,11 @@ def read_yaml(path: Path) -> Mapping[str, Any]:
 
 
 def parse_yaml(text: str, path: Path | None = None) -> Mapping[str, Any]:
-    """Like `read_yaml`, for text that is already read; `path` is used in messages."""
+    """Like `read_yaml`, for text that is already read; `path` is used in messages.
+
+    Raises:
+        InputError: not YAML, no mapping, or nested too deep.
+    """
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
