@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import get_args
 
 import pytest
 
@@ -21,7 +22,7 @@ from flexdyn.diagnose.report.digits import (
 )
 from flexdyn.diagnose.report.measures import Calibration, Left
 from flexdyn.diagnose.report.page import part
-from flexdyn.diagnose.report.result import VERDICTS, Diagnosis
+from flexdyn.diagnose.report.result import Diagnosis, Verdict
 from flexdyn.diagnose.report.sentences import (
     error_sentence,
     finding_sentences,
@@ -71,7 +72,7 @@ SENTENCES = {
 def test_every_verdict_has_its_sentence() -> None:
     """All seven, with the names and numbers of the diagnosis in them."""
     made = {each.__name__: each() for each in cases.CASES}
-    assert {diagnosis.verdict for diagnosis in made.values()} == set(VERDICTS)
+    assert {diagnosis.verdict for diagnosis in made.values()} == set(get_args(Verdict))
     assert {name: verdict_sentence(diagnosis) for name, diagnosis in made.items()} == SENTENCES
 
 
