@@ -17,19 +17,24 @@ PACKAGE = Path(flexdyn.__file__).parent
 OWN = ("effects", "paper", "core")
 """Folders that may name effects: their own, the study of the paper, whose model is a list of effects, and the C++."""
 MAKES = {
-    "cli/examples.py": "each example hides an effect of its choice",
-    "cli/health.py": "checks a motion with friction that has a closed form",
-    "cli/info.py": "the key payload of its document is a word and no effect",
-    "diagnose/experiment/reach.py": "hangs a known mass at the tip",
-    "diagnose/hypothesis/hypothesis.py": "has an offset of about a count for every encoder, which is no finding",
-    "diagnose/report/suspects.py": "tells a number of the file that is wrong as an effect",
-    "model/actuator.py": "makes the laws of a motor under voltage from its data sheet",
-    "model/resolved_parameters.py": "applies errors of numbers to the numbers",
-    "model/uncertain_parameters.py": "makes the error of a number of the file",
-    "model/urdf_dynamics.py": "makes friction of the URDF's <dynamics>",
-    "simulation/limits.py": "makes effects of the URDF's <limit>",
+    "cli/examples.py": ("StribeckFriction CoulombFriction ViscousFriction Backlash", "each example hides one of these"),
+    "cli/health.py": ("ViscousFriction", "checks a motion with friction that has a closed form"),
+    "cli/info.py": ("payload", "the key of its document is a word and no effect"),
+    "diagnose/experiment/reach.py": ("Payload", "hangs a known mass at the tip"),
+    "diagnose/hypothesis/hypothesis.py": ("SensorOffset", "an offset of about a count of every encoder is no finding"),
+    "diagnose/report/suspects.py": ("ParameterError", "tells a number of the file that is wrong as an effect"),
+    "model/actuator.py": ("MotorTorque MotorWinding SupplyLimit", "makes the laws of a motor from its data sheet"),
+    "model/resolved_parameters.py": ("ParameterError", "applies errors of numbers to the numbers"),
+    "model/uncertain_parameters.py": ("ParameterError", "makes the error of a number of the file"),
+    "model/urdf_dynamics.py": ("ViscousFriction CoulombFriction", "makes friction of the URDF's <dynamics>"),
+    "simulation/limits.py": ("EndStop TorqueSpeedLimit", "makes effects of the URDF's <limit>"),
 }
-"""Files that name single effects -> why: nearly all of them because they make effects of something else."""
+"""Files that name single effects -> which ones, and why: nearly all because they make effects of something else."""
+TELLS = {
+    "cli/diagnose.py": {"channel_lag", "coulomb_friction"},  # examples in the help of an option
+    "robot/normalise.py": {"asymmetric_friction"},  # what a user should write; a robot knows no effects to ask
+}
+"""Files whose sentences name effects."""
 ALSO_ELSEWHERE = {
     "damping": "of a joint, and of the URDF's <dynamics>",
     "stiffness": "of a joint",
@@ -63,8 +68,22 @@ def in_text() -> re.Pattern[str]:
     return re.compile(rf"\b({'|'.join(own)})\b")
 
 
+def described(tree: ast.AST) -> Iterator[ast.expr]:
+    """Docstrings, also those below a constant: strings that stand alone."""
+    yield from (node.value for node in ast.walk(tree) if isinstance(node, ast.Expr))
+
+
+def in_messages(path: Path) -> set[str]:
+    """Effects in sentences that a user reads; names of one word, as ``payload``, are plain English too."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    own = set(described(tree))
+    texts = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and node not in own]
+    sentences = [each for each in texts if isinstance(each, str) and " " in each]
+    return {match[1] for each in sentences for match in in_text().finditer(each) if "_" in match[1]}
+
+
 def named(path: Path) -> set[str]:
-    """Single effects that code names: classes, and strings without a space; a sentence for a person may name them."""
+    """Single effects that code names: classes, and strings without a space."""
     found = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         word = getattr(node, "id", None) or getattr(node, "attr", None)
@@ -88,8 +107,14 @@ def test_code_names_no_single_effect(folder: str) -> None:
     """It asks for a property that the class declares; every listed file needs its entry."""
     inside = [path for path in FILES if path.relative_to(PACKAGE).parts[0] == folder]
     naming = {path.relative_to(PACKAGE).as_posix(): found for path in inside if (found := named(path))}
-    assert not {file: found for file, found in naming.items() if file not in MAKES}
-    assert {file for file in MAKES if file.split("/")[0] == folder} <= naming.keys()
+    listed = {file: set(names.split()) for file, (names, _) in MAKES.items() if file.split("/")[0] == folder}
+    assert naming == listed
+
+
+def test_messages_ask_for_names_too() -> None:
+    """They take a name from the class or from the catalogue; every listed file needs its entry."""
+    told = {path.relative_to(PACKAGE).as_posix(): in_messages(path) for path in FILES}
+    assert {file: found for file, found in told.items() if found} == TELLS
 
 
 @pytest.mark.parametrize("folder", ["analysis", "diagnose"])
@@ -102,4 +127,16 @@ def test_code_names_no_parameter_of_an_effect(folder: str) -> None:
         words = {
             node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)
         }
+        assert not words & names, path
+
+
+def test_no_other_code_names_a_parameter_of_one_effect() -> None:
+    """Likewise of names of more than one word, such as ``stall_torque``: shorter ones have other meanings too."""
+    own = [kind for kind in catalogue().values() if kind.__module__.startswith("flexdyn.")]
+    names = {field.name for kind in own for field in kind.parameters() if "_" in field.name}
+    makes = {PACKAGE / file for file in MAKES}
+    for path in (each for each in FILES if each not in makes):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        words = {str(getattr(node, "value", "")) for node in ast.walk(tree) if isinstance(node, ast.Constant)}
+        words |= {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
         assert not words & names, path

@@ -221,7 +221,7 @@ def test_the_paper_says_where_its_page_is(
     from flexdyn import paper
     from flexdyn.paper.study import PaperStudy
 
-    monkeypatch.setattr(paper, "run_study", lambda output, **_: PaperStudy({}, (), ()))
+    monkeypatch.setattr(paper, "run_paper_study", lambda output, **_: PaperStudy({}, (), ()))
     assert main(["paper", "-o", str(tmp_path / f"{TERMINAL}<script>")]) == 0
     printed = capsys.readouterr().out
     assert "\\x1b" in printed

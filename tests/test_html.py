@@ -12,7 +12,7 @@ from jinja2 import UndefinedError
 
 import flexdyn
 from flexdyn.io.html import engine, page, render
-from flexdyn.io.notebook import card, table
+from flexdyn.io.notebook import card, html_table
 
 EVIL = "</script><b onclick='x'>\"&"
 PACKAGE = Path(flexdyn.__file__).parent
@@ -20,7 +20,7 @@ PACKAGE = Path(flexdyn.__file__).parent
 
 def test_plain_text_is_escaped_once_and_markup_is_not() -> None:
     """In cells, titles and facts; a table that a card holds keeps its elements."""
-    shown = card(EVIL, {EVIL: EVIL}, table([EVIL], [[EVIL]]), notes=[EVIL])
+    shown = card(EVIL, {EVIL: EVIL}, html_table([EVIL], [[EVIL]]), notes=[EVIL])
     assert "<b onclick" not in shown
     assert shown.count("&lt;/script&gt;") == 6
     assert shown.count("<table>") == 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from flexdyn.batch import distributions, stored_study, studyfile
+from flexdyn.batch import distributions, stored_study, study_keys
 from flexdyn.diagnose.compared import report_file
 from flexdyn.io import yaml
 from flexdyn.records import bounds, meta, table
@@ -41,7 +41,7 @@ ROWS = (
     ("", f"{definitions._LONGEST_DEFINITION // 1024} KiB in the definition of a message"),
     ("every YAML file", f"{yaml.MAX_YAML_BYTES:,} bytes; {yaml.MAX_DEPTH} lists and mappings in each other"),
     ("", f"{yaml.MAX_NODES:,} entries once aliases are unfolded; {yaml.MAX_BRACKETS:,} open brackets"),
-    ("study", f"{studyfile.MAX_RUNS:,} runs; {distributions.MAX_GRID:,} values in a grid"),
+    ("study", f"{study_keys.MAX_RUNS:,} runs; {distributions.MAX_GRID:,} values in a grid"),
     ("store of a study", f"{stored_study.MAX_STORE_BYTES:,} bytes in zarr.json; arrays with the shapes of the study"),
     ("", f"{stored_study.MAX_STUDY_LETTERS:,} letters in the study that it holds"),
     ("report.json of a diagnosis", f"{report_file.MAX_REPORT_BYTES:,} bytes"),

@@ -84,7 +84,7 @@ def test_a_text_has_one_name_and_one_place() -> None:
 
 
 def test_a_private_function_name_is_defined_once_in_a_package() -> None:
-    """Who searches a package for a name finds one function. Public names repeat where formats share an interface."""
+    """Who searches a package for a name finds one function."""
     places: dict[tuple[str, str], list[str]] = defaultdict(list)
     for path in FILES:
         for node in ast.parse(path.read_text(encoding="utf-8")).body:
@@ -101,6 +101,52 @@ def test_a_public_class_name_is_defined_once() -> None:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 places[node.name].append(path.relative_to(PACKAGE).as_posix())
     assert not {name: found for name, found in places.items() if len(found) > 1}
+
+
+ONE_MEANING = {
+    "as_card": "HTML of a model, a recording and a robot",
+    "draw": "a picture by Matplotlib and by Plotly, which the same page calls",
+    "library": "the optional library of a file format",
+    "read": "a recording from a file, for each format",
+    "read_here": "what `flexdyn.records.apart` calls in a process of its own",
+    "write": "a recording to a file, for each format",
+}
+"""Public functions that several modules have because somebody calls any of them in the same way -> what they all do."""
+
+
+def test_a_public_function_name_has_one_meaning() -> None:
+    """It is defined once, also across packages; a command of the program has the name of the function that it calls."""
+    places: dict[str, list[str]] = defaultdict(list)
+    for path in FILES:
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
+                places[node.name].append(path.relative_to(PACKAGE).as_posix())
+    several = {name: found for name, found in places.items() if len(found) > 1}
+    commands = {
+        name for name, found in several.items() if len(found) == 2 and name in fd.__all__ and "cli/" in found[0]
+    }
+    assert several.keys() - commands == ONE_MEANING.keys()
+
+
+def test_a_method_says_no_more_than_the_function_of_its_name() -> None:
+    """In one module one of the two calls the other, because an object knows some of the arguments."""
+    others = []
+    for path in FILES:
+        body = ast.parse(path.read_text(encoding="utf-8")).body
+        functions = {node.name: node for node in body if isinstance(node, ast.FunctionDef)}
+        methods = [(each, node) for each in body if isinstance(each, ast.ClassDef) for node in each.body]
+        for kind, node in methods:
+            if isinstance(node, ast.FunctionDef) and node.name in functions:
+                ours, its = (_called(each) for each in (node, functions[node.name]))
+                if node.name not in ours | its:
+                    others.append(f"{path.relative_to(PACKAGE).as_posix()}: {kind.name}.{node.name}")
+    assert not others
+
+
+def _called(function: ast.FunctionDef) -> set[str]:
+    """Names of the functions and methods that a function calls."""
+    calls = [each.func for each in ast.walk(function) if isinstance(each, ast.Call)]
+    return {getattr(each, "id", "") or getattr(each, "attr", "") for each in calls}
 
 
 def table() -> list[tuple[str, str, str]]:

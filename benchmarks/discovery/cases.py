@@ -28,7 +28,6 @@ from visible import visible
 from wide import Setup, draw_setup, split
 
 FIT, CHECK = 40.0, 12.0  # s
-EVALUATION = 10_000
 ATTEMPTS = 60
 ORDINARY = Setup(TOLERANCE, "mixed", 1, FEEDFORWARD, wide=False)
 QUICK = 2e-4  # s, step of the run that only sizes the effects
@@ -95,7 +94,7 @@ def _attempt(
         for site in places:
             arm = prepared(arm, site, factor)
         if family == "rigid" and places[0][0] == "joint_elasticity":
-            arm = _one_spring(rng, arm, places[0][1], base)
+            arm = _one_spring(rng, arm, places[0][1])
         hidden = tuple(
             draw(site, _in(setup, scale_of(rng, arm, base, controls[0], site[1], factor))) for site in places
         )
@@ -124,7 +123,7 @@ def _kept(run: Truth, setup: Setup) -> Truth:
     return cut(run) if setup.wide else run
 
 
-def _one_spring(rng: np.random.Generator, arm: TwoLinkArm, j: int, base: Truth) -> TwoLinkArm:
+def _one_spring(rng: np.random.Generator, arm: TwoLinkArm, j: int) -> TwoLinkArm:
     M, J = inertia_at(arm)[j], arm.rotor()[j]
     K, D = list(arm.stiffness), list(arm.damping)
     K[j] = float((2.0 * np.pi * rng.uniform(12.0, 30.0)) ** 2 * M * J / (M + J))
@@ -235,4 +234,4 @@ def truth_columns(case: Case) -> dict[str, list[float]]:
     }
 
 
-__all__ = ["EVALUATION", "FAMILIES", "Case", "Style", "make_case"]
+__all__ = ["FAMILIES", "Case", "Style", "make_case"]

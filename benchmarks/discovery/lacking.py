@@ -55,7 +55,7 @@ def draw_lacking(
 def torque_of(one: Hidden, run: Truth, joints: Sequence[str]) -> Array:
     """The torque of an effect along what really happened (samples,) [N m]."""
     n, p = len(joints), one.parameters
-    omega = run.y[:, _rates(run, n)]
+    omega = run.y[:, _rates(n)]
     u = omega[:, one.joint or 0]
     laws: dict[str, Callable[[], Array]] = {
         "viscous_friction": lambda: p["coefficient"] * u,
@@ -94,7 +94,7 @@ def judged(
     entries = []
     for one in hidden:
         j = one.joint or 0
-        u = run.y[:, _rates(run, len(joints))][:, j]
+        u = run.y[:, _rates(len(joints))][:, j]
         moving = np.abs(u) > RESTING
         own = torque_of(one, run, joints)
         beside = [
@@ -143,7 +143,7 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
 
 
-def _rates(run: Truth, n: int) -> slice:
+def _rates(n: int) -> slice:
     """Where the velocities of the rotors stand among the states."""
     return slice(6, 8) if n == 2 else slice(3 * n, 4 * n)
 

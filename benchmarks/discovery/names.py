@@ -9,7 +9,6 @@ from typing import Any
 Entry = Mapping[str, Any]
 SENSORS = ("channel_lag", "encoder_eccentricity", "sensor_offset", "sensor_gain")
 UNPLACED = ("payload",)
-OPPOSITE = {"amplitude": "phase"}
 
 
 def text(entry: Entry, key: str) -> str | None:

@@ -157,7 +157,7 @@ def base_parameters(
     along = _motion(true, motion, q, v, a)
     sigma = np.asarray(noise, dtype=float)
     if sigma.shape not in ((), (true.n,)) or not (np.isfinite(sigma) & (sigma > 0.0)).all():
-        raise InputError("a level above 0 is needed, one or one a joint", key="noise", value=noise)
+        raise InputError("one level above 0 is needed, or one for each joint", key="noise", value=noise)
     whole = regressor(true, along.q, along.v, along.a, along.omega, along.alpha)
     wanted = np.array([friction or name.rpartition(".")[2] not in FRICTION for name in whole.names])
     weights = np.tile(np.sqrt(along.every) / np.broadcast_to(sigma, (true.n,)), len(along.q))

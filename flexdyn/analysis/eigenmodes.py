@@ -134,7 +134,13 @@ def resting_statics(model: FlexibleJointModel) -> Statics:
 
 
 def modes_at(statics: Statics, q: Array, rotors: Rotors) -> Modes:
-    """`modes` for a prepared model and checked arguments."""
+    """`modes` for a prepared model and checked arguments.
+
+    Args:
+        statics: of the prepared model.
+        q: pose of the links (n,) [rad or m].
+        rotors: ``free`` or ``held``.
+    """
     model, n = statics.model, statics.model.n
     theta = statics.loaded_springs(q)
     tangent = Tangent(statics, q, theta, statics.holding(q, theta))
@@ -162,7 +168,12 @@ def modes_at(statics: Statics, q: Array, rotors: Rotors) -> Modes:
 
 
 def anti_resonances(tangent: Tangent, model: FlexibleJointModel) -> Array:
-    """Eigenfrequencies with one rotor held and the others free (n, n + e - 1) [Hz], a row for each motor."""
+    """Eigenfrequencies with one rotor held and the others free (n, n + e - 1) [Hz], a row for each motor.
+
+    Args:
+        tangent: the linear arm at the pose.
+        model: of the arm.
+    """
     rows = []
     for held in model.rotor_places:
         kept = [i for i in range(len(tangent.inertia)) if i != held]

@@ -74,7 +74,16 @@ def holding_torques(model: FlexibleJointModel, q: Pose = None, theta: ArrayLike 
 
 
 def holding_at(statics: Statics, q: Array, theta: ArrayLike | None = None) -> HoldingTorques:
-    """`holding_torques` for a prepared model and a checked pose."""
+    """`holding_torques` for a prepared model and a checked pose.
+
+    Args:
+        statics: of the prepared model.
+        q: pose of the links (n,) [rad or m].
+        theta: positions of the rotors (n,); default: all that link friction allows.
+
+    Raises:
+        InputError: theta at which the links do not rest, or a motor that is too weak.
+    """
     model = statics.model
     if theta is None:
         ends = link_range(statics, q)
@@ -121,7 +130,13 @@ def levels(statics: Statics, q: Array, theta: Array, side: Literal["link", "moto
 
 
 def spring_torques(statics: Statics, q: Array, theta: Array) -> Array:
-    """Transmission torques at rest (n,) [N m or N], from the balance of the links; 0 on rigid joints."""
+    """Transmission torques at rest (n,) [N m or N], from the balance of the links; 0 on rigid joints.
+
+    Args:
+        statics: of the prepared model.
+        q: positions of the links (n,) [rad or m].
+        theta: of the rotors (n,).
+    """
     model, still = statics.model, np.zeros(statics.model.n)
     tau_s = statics.net(q, theta, still)[0] + statics.links.bias(q, still)
     for effect in model.all_effects:

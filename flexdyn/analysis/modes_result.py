@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from flexdyn.arrays import Array, Flags
 from flexdyn.errors import listed
 from flexdyn.io.locked import Locked
-from flexdyn.io.notebook import card, table
+from flexdyn.io.notebook import card, html_table
 
 MOST_FREQUENCIES = 8
 """Frequencies that the short form lists."""
@@ -95,7 +95,7 @@ class Modes(Locked):
         rows = [(*head, part, *(f"{value:.3f}" for value in shape)) for head, part, shape in self._lines()]
         heads = ("mode", "Hz", "damping", "kind", "part", *self.joint_names)
         facts = {"rotors": self.rotors, "at": self._at()}
-        return card(f"Modes of {self.name}", facts, table(heads, rows, len(rows)), notes=self._zeros())
+        return card(f"Modes of {self.name}", facts, html_table(heads, rows, len(rows)), notes=self._zeros())
 
     def __str__(self) -> str:
         """A table: a line for each mode, then a line of anti-resonances for each motor."""

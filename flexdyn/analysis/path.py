@@ -79,7 +79,7 @@ def frequencies_over_path(
     poses = as_numbers("path", getattr(path, "q", path), "poses are numbers")
     if poses.ndim != 2 or poses.shape[1] != model.n or not len(poses) or not np.isfinite(poses).all():
         problem = f"finite positions (samples, {model.n}) are needed"
-        raise InputError(problem, key="path", value=poses.shape, remedy="one row a pose, one column a joint")
+        raise InputError(problem, key="path", value=poses.shape, remedy="give a row for each pose")
     statics = resting_statics(model)
     found = [modes_at(statics, q, rotors) for q in poses]
     steps = np.linalg.norm(np.diff(poses, axis=0), axis=1)

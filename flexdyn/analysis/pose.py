@@ -45,6 +45,10 @@ def vector(value: ArrayLike, size: int, key: str, remedy: str) -> Array:
 def torques(model: FlexibleJointModel, tau: ByJoint) -> Array:
     """Commanded motor torques (n,) [N m or N]; a mapping names some joints, the others get 0.
 
+    Args:
+        model: of the arm.
+        tau: by joint, or in the order of the joints.
+
     Raises:
         InputError: another number of joints, an unknown joint, a number that is not finite.
     """

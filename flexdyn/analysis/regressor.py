@@ -46,6 +46,12 @@ class Along:
 def along_samples(model: FlexibleJointModel, q: Array, v: Array, a: Array) -> Along:
     """Take samples as they are given; rotors move with their links.
 
+    Args:
+        model: of the arm.
+        q: positions (samples, n) [rad or m].
+        v: velocities.
+        a: accelerations.
+
     Raises:
         InputError: not all of one shape (samples, n), or numbers that are not finite.
     """

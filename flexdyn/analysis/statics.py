@@ -62,6 +62,11 @@ class Statics:
         """Net torques [N m or N] on links (n,) and rotors (n,): 0 where the arm can rest without friction.
 
         A rigid joint's rotor is part of its link: its entry is that of the link.
+
+        Args:
+            q: positions of the links (n,) [rad or m].
+            theta: of the rotors (n,).
+            tau: commanded torques (n,).
         """
         n, e = self.model.n, int(self.elastic.sum())
         rate = np.empty(self.plant.state_size)

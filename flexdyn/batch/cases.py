@@ -14,7 +14,7 @@ import numpy as np
 from flexdyn.arrays import Array, Flags
 from flexdyn.batch.aim import Aim, aim_of
 from flexdyn.batch.catalogue import Metric
-from flexdyn.batch.draws import drawn
+from flexdyn.batch.draws import draws_of_run
 from flexdyn.batch.metrics import metrics_of
 from flexdyn.batch.places import Changes, NumberPlace, places
 from flexdyn.batch.study import Study
@@ -96,7 +96,7 @@ class Cases:
         Raises:
             InputError: a number was drawn that the model or the command cannot have.
         """
-        return self.case_of(drawn(self.study, k))
+        return self.case_of(draws_of_run(self.study, k))
 
     def case_of(self, values: Mapping[str, float]) -> Case:
         """The run with these numbers.

@@ -12,9 +12,9 @@ import numpy as np
 
 from flexdyn.arrays import Array, Indices
 from flexdyn.batch.cases import Case, Cases, cases_of_text
-from flexdyn.batch.draws import table
+from flexdyn.batch.draws import draws_of_runs
 from flexdyn.batch.layout import DONE, array_name
-from flexdyn.batch.metrics import measure
+from flexdyn.batch.metrics import metrics_of_runs
 from flexdyn.batch.motion import RunsMotion
 from flexdyn.batch.store import Store
 from flexdyn.errors import FlexdynError
@@ -71,7 +71,7 @@ class Task:
         """
         cases = cases_of_text(self.text)
         runs = cases.study.bounds(chunk)
-        numbers = table(cases.study, runs)
+        numbers = draws_of_runs(cases.study, runs)
         made = _simulated(cases, numbers, len(runs), stopped)
         _opened(self).write(chunk, _store_columns(cases, numbers, made))
         return Done(chunk, len(runs), sum(reason != "" for reason in made.reasons))
@@ -148,7 +148,7 @@ def _store_columns(cases: Cases, numbers: Numbers, made: Made) -> dict[str, Any]
     measured = np.full((len(metrics), count), np.nan)
     status = np.array([reason or DONE for reason in made.reasons], dtype=object)
     for motion, which in _motions(cases, made):
-        measured[:, which], reasons = measure(metrics, motion)
+        measured[:, which], reasons = metrics_of_runs(metrics, motion)
         for i, lines in zip(which, reasons, strict=True):
             if lines:
                 status[i] = "; ".join(lines)

@@ -12,17 +12,17 @@ from flexdyn.batch.distributions import Distribution
 from flexdyn.batch.study import Study
 
 
-def drawn(study: Study, k: int) -> dict[str, float]:
+def draws_of_run(study: Study, k: int) -> dict[str, float]:
     """The numbers of run k by their path, in the order of ``vary``.
 
     Args:
         study: the study.
         k: from 0 to ``study.count - 1``.
     """
-    return {path: float(column[0]) for path, column in table(study, range(k, k + 1)).items()}
+    return {path: float(column[0]) for path, column in draws_of_runs(study, range(k, k + 1)).items()}
 
 
-def table(study: Study, runs: range) -> dict[str, Array]:
+def draws_of_runs(study: Study, runs: range) -> dict[str, Array]:
     """The numbers of some runs (runs,) by their path, in the order of ``vary``.
 
     The points of the grid are counted with the last path changing fastest, and each has ``study.runs`` runs one after
@@ -37,7 +37,7 @@ def table(study: Study, runs: range) -> dict[str, Array]:
     columns: dict[str, Array] = {}
     for path, kind in reversed(list(study.kinds.items())):
         if isinstance(kind, Distribution):
-            columns[path] = kind.values(shares(study.seed, path, runs))
+            columns[path] = kind.values(uniform_draws(study.seed, path, runs))
         else:
             count = len(kind.values)
             columns[path] = np.array([kind.values[point % count] for point in points])
@@ -45,7 +45,7 @@ def table(study: Study, runs: range) -> dict[str, Array]:
     return {path: columns[path] for path in study.kinds}
 
 
-def shares(seed: int, path: str, runs: Iterable[int]) -> Array:
+def uniform_draws(seed: int, path: str, runs: Iterable[int]) -> Array:
     """A random number for each run, uniform over 0 < share < 1, the same on every machine.
 
     The generator is counter-based: BLAKE2b with seed and path as key and k as counter; the upper 52 bits of a block are

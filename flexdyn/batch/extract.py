@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.batch.cases import cases_of
-from flexdyn.batch.draws import drawn
+from flexdyn.batch.draws import draws_of_run
 from flexdyn.batch.rehearsal import check_paths
 from flexdyn.batch.study import Study
 from flexdyn.checks import whole
@@ -71,7 +71,7 @@ def extract(study: Study, k: int, folder: Path) -> Extracted:
     for signal, start in case.starts.items():
         words += [f"--{signal}", ",".join(f"{joint}={float(value)!r}" for joint, value in start.items())]
     words += ["-o", str(folder / "run.npz")]
-    return Extracted(k, model, command, drawn(study, k), shlex.join(words))
+    return Extracted(k, model, command, draws_of_run(study, k), shlex.join(words))
 
 
 def _settings(solver: Mapping[str, Any]) -> list[str]:

@@ -73,10 +73,10 @@ class MetricColumns:
     def label(self, name: str, letters: int = 48) -> str:
         """Name, shortened to a number of letters, and unit."""
         unit = self.units.get(name, "")
-        return f"{clipped(name, letters)} [{unit}]" if unit not in ("", "1") else clipped(name, letters)
+        return f"{end_of_name(name, letters)} [{unit}]" if unit not in ("", "1") else end_of_name(name, letters)
 
 
-def clipped(name: str, letters: int) -> str:
+def end_of_name(name: str, letters: int) -> str:
     """A name of bounded length; its end is kept, because parameters differ there."""
     return name if len(name) <= letters else f"…{name[1 - letters :]}"
 
@@ -131,7 +131,9 @@ def _lines(columns: MetricColumns, name: str) -> Panel | None:
     found.sort(key=lambda entry: -abs(entry[0].high - entry[0].low))
     curves = []
     for rank, (each, path, colour) in enumerate(found[:MOST_LINES], start=1):
-        label = f"{clipped(path.removeprefix('joints.').removeprefix('command.'), BESIDE)} {each.rank_correlation:+.2f}"
+        label = (
+            f"{end_of_name(path.removeprefix('joints.').removeprefix('command.'), BESIDE)} {each.rank_correlation:+.2f}"
+        )
         ends, level = np.array([each.low, each.high]), np.array([rank, rank], dtype=float)
         curves.append(Curve(ends, level, f"{path}: lowest to highest fifth", label, colour, width=7.0))
     reach = max(float(np.abs(curve.x).max()) for curve in curves)

@@ -77,7 +77,7 @@ def metrics_of(
     return tuple(found)
 
 
-def measure(metrics: Sequence[Metric], motion: RunsMotion) -> tuple[Array, list[list[str]]]:
+def metrics_of_runs(metrics: Sequence[Metric], motion: RunsMotion) -> tuple[Array, list[list[str]]]:
     """All metrics of some runs; a missing one is NaN, with a reason.
 
     Args:

@@ -62,7 +62,12 @@ class Changes:
         return {each: {**base.initial.get(each, {}), **self.initial.get(each, {})} for each in signals}
 
     def command(self, base: Any, joint_names: tuple[str, ...]) -> Any:
-        """The command with the changes; the same object if there are none."""
+        """The command with the changes; the same object if there are none.
+
+        Args:
+            base: the command of the study.
+            joint_names: of the arm.
+        """
         if isinstance(base, Recording) and self.scale is not None:
             torques = {name: column for name, column in base.channels.items() if name.startswith("tau.")}
             return with_channels(base, {name: column * self.scale for name, column in torques.items()})

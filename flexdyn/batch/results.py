@@ -20,7 +20,7 @@ from flexdyn.batch.stored_study import check_arrays
 from flexdyn.batch.study import Study
 from flexdyn.batch.summary import Summary, metric_summary, parameter_summary, reasons_of
 from flexdyn.errors import InputError, needed, visible
-from flexdyn.io.notebook import Public, card, table
+from flexdyn.io.notebook import Public, card, html_table
 
 if TYPE_CHECKING:
     from flexdyn.plots.picture import Picture
@@ -75,7 +75,7 @@ class Results(Public):
             "kept": ", ".join(self.channels),
         }
         heads = ("number", "", "unit", "least", "median", "greatest")
-        return card(f"Study of {self.study.name}", facts, table(heads, rows))
+        return card(f"Study of {self.study.name}", facts, html_table(heads, rows))
 
     def dataset(self) -> Any:
         """All results as an xarray.Dataset over dask arrays, which are read when needed.

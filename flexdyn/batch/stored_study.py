@@ -6,18 +6,15 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
-from flexdyn.batch.distributions import distribution
+from flexdyn.batch import study_keys
 from flexdyn.batch.layout import array_name
 from flexdyn.batch.study import Study
-from flexdyn.batch.studyfile import MAX_RUNS
-from flexdyn.checks import check_known, number, whole
+from flexdyn.checks import whole
 from flexdyn.control.setting_checks import checked_rate
 from flexdyn.errors import InputError
 from flexdyn.io.yaml import check_keys, parse_yaml
 from flexdyn.robot.urdf import MAX_JOINTS
-from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.job import MAX_SAMPLES
-from flexdyn.simulation.solvers import make_solver
 
 MAX_STORE_BYTES = 20_000_000
 """Largest size of a store's zarr.json [bytes]: the study, and a kilobyte for each number that varies."""
@@ -39,41 +36,26 @@ def stored_study(text: Any) -> Study:
     content = parse_yaml(text)
     names = [each.name for each in fields(Study)]
     check_keys(content, names, required=names)
-    for key, kind in (("name", str), ("folder", str), ("model", Mapping), ("solver", Mapping), ("files", Mapping)):
+    kinds = {"name": str, "folder": str, "model": Mapping, "solver": Mapping, "files": Mapping, "vary": Mapping}
+    for key, kind in {**kinds, "keep": list, "metrics": list}.items():
         _check(key, content[key], kind)
-    command = content["command"]
-    if isinstance(command, Mapping):
-        check_keys(command, ("pd",), required=("pd",), key="command")
-        _check("command.pd", command["pd"], Mapping)
-        for key in ("reference", "feedforward"):
-            _check(f"command.pd.{key}", command["pd"].get(key), (str, type(None)))
+    if isinstance(content["command"], Mapping):
+        _check("command.pd", content["command"].get("pd"), Mapping)
+        study_keys.checked_pd(content["command"], "command.pd")
     else:
-        _check("command", command, (str, type(None)))
-    _check_runs(content)
-    _check("solver.name", content["solver"].get("name"), str)
-    if content["solver"] != {"name": "auto"}:
-        make_solver(**{str(key): value for key, value in content["solver"].items()})
-    for key in ("keep", "metrics"):
-        _check(key, content[key], list)
-        for name in content[key]:
-            _check(key, name, str)
-    for name in content["keep"]:
-        check_known(name, SIGNALS, "no such channel", key="keep", value=name)
-    return Study.from_dict(content)
-
-
-def _check_runs(content: Mapping[str, Any]) -> None:
-    """Check how many runs there are, how long they are, and how each number varies."""
-    runs, points = (whole(key, content[key], 1, MAX_RUNS) for key in ("runs", "points"))
-    whole("runs", runs * points, 1, MAX_RUNS)
-    whole("chunk", content["chunk"], 1, MAX_RUNS)
-    whole("seed", content["seed"], 0)
-    number("duration", content["duration"], above=0.0)
-    checked_rate("rate", content["rate"])
-    _check("vary", content["vary"], Mapping)
-    for path, entry in content["vary"].items():
+        _check("command", content["command"], (str, type(None)))
+    for path in content["vary"]:
         _check("vary", path, str)
-        distribution(entry)
+    study_keys.checked_distributions(content["vary"])
+    study_keys.checked_solver(content["solver"])
+    study_keys.checked_channels(content["keep"])
+    study_keys.checked_names("metrics", content["metrics"])
+    study_keys.check_number_of_runs(*(whole(key, content[key], 1, study_keys.MAX_RUNS) for key in ("runs", "points")))
+    whole("chunk", content["chunk"], 1, study_keys.MAX_RUNS)
+    study_keys.checked_seed(content["seed"])
+    study_keys.checked_duration(content["duration"])
+    checked_rate("rate", content["rate"])
+    return Study.from_dict(content)
 
 
 def _check(key: str, value: Any, kind: type | tuple[type, ...]) -> None:

@@ -10,7 +10,7 @@ from typing import Any, Self
 
 from flexdyn.batch.distributions import Distribution, Grid, distribution
 from flexdyn.errors import shown, visible
-from flexdyn.io.notebook import Public, card, table
+from flexdyn.io.notebook import Public, card, html_table
 from flexdyn.io.yaml import dump_yaml, parse_yaml
 
 _OF_COMMAND = ("command", "command.pd.reference", "command.pd.feedforward")
@@ -71,7 +71,7 @@ class Study(Public):
             "metrics": ", ".join(self.metrics),
         }
         rows = ((path, *(f"{kind} {numbers}" for kind, numbers in entry.items())) for path, entry in self.vary.items())
-        return card(f"Study of {self.name}", facts, table(("number", "varies as"), rows))
+        return card(f"Study of {self.name}", facts, html_table(("number", "varies as"), rows))
 
     @cached_property
     def kinds(self) -> Mapping[str, Distribution | Grid]:

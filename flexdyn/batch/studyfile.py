@@ -3,30 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from flexdyn.batch import study_keys
 from flexdyn.batch.cases import Cases, keep, load_command
-from flexdyn.batch.distributions import Distribution, Grid, distribution
+from flexdyn.batch.distributions import Distribution, Grid
 from flexdyn.batch.rehearsal import digests, rehearse
 from flexdyn.batch.study import Study
-from flexdyn.checks import check_known, number, whole
-from flexdyn.control.points import PD_KEYS
+from flexdyn.checks import whole
 from flexdyn.control.setting_checks import checked_rate
 from flexdyn.errors import InputError, placed
 from flexdyn.io.files import exists, is_file
-from flexdyn.io.yaml import check_format, check_keys, read_yaml
+from flexdyn.io.yaml import check_format, read_yaml
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.model_file import load_model, model_from_dict, model_to_dict
 from flexdyn.simulation.command_input import make_drive
 from flexdyn.simulation.inputs_and_signals import SIGNALS
-from flexdyn.simulation.solvers import make_solver
 
 STUDY_FORMAT = 1
 TOP_KEYS = ("model", "command", "duration", "rate", "solver", "runs", "seed", "vary", "keep", "metrics", "chunk")
-MAX_RUNS = 100_000_000
 CHUNK_BYTES = 16_000_000
 """Memory of a chunk's runs [bytes]: any machine can hold several chunks."""
 CHUNK_RUNS = 256
@@ -77,7 +75,7 @@ def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
     model = _model(content["model"], folder)
     command = _command(content.get("command"), folder)
     loaded = load_command(command)
-    kinds = _vary(content["vary"])
+    kinds = study_keys.checked_distributions(content["vary"])
     random = any(isinstance(kind, Distribution) for kind in kinds.values())
     points = math.prod(len(kind.values) for kind in kinds.values() if isinstance(kind, Grid))
     runs = _runs(content.get("runs"), points, random)
@@ -89,13 +87,13 @@ def _whole_study(content: Mapping[str, Any], folder: Path) -> Study:
         command=command,
         duration=duration,
         rate=rate,
-        solver=_solver(content.get("solver")),
+        solver=study_keys.checked_solver(content.get("solver")),
         runs=runs,
         points=points,
-        seed=whole("seed", content.get("seed", 0), 0),
+        seed=study_keys.checked_seed(content.get("seed", 0)),
         vary={str(path): dict(entry) for path, entry in content["vary"].items()},
-        keep=_keep(content.get("keep")),
-        metrics=_names("metrics", content.get("metrics")),
+        keep=study_keys.checked_channels(content.get("keep")),
+        metrics=study_keys.checked_names("metrics", content.get("metrics")),
         chunk=_chunk(content.get("chunk"), points * runs, duration * rate, model.n),
         folder=str(folder),
     )
@@ -134,14 +132,9 @@ def _command(entry: Any, folder: Path) -> Any:
 
 def _pd(entry: Any, folder: Path, key: str) -> dict[str, Any]:
     """Settings of the controller, with its recordings' paths absolute."""
-    check_keys(entry, ("pd",), required=("pd",), key=key.rpartition(".")[0])
-    given = entry["pd"]
-    check_keys(given, PD_KEYS, required=("reference", "kp", "kd"), key=key)
-    settings = dict(given)
-    for name in ("reference", "feedforward"):
+    settings = study_keys.checked_pd(entry, key)
+    for name in study_keys.RECORDINGS_OF_PD:
         if settings.get(name) is not None:
-            if not isinstance(settings[name], str) or not settings[name]:
-                raise InputError("the path of a recording is needed", key=f"{key}.{name}", value=settings[name])
             settings[name] = str(_path(f"{key}.{name}", settings[name], folder))
     return settings
 
@@ -153,17 +146,6 @@ def _path(key: str, entry: str, folder: Path) -> Path:
     return path.resolve()
 
 
-def _vary(entries: Any) -> dict[str, Distribution | Grid]:
-    if not isinstance(entries, Mapping) or not entries:
-        remedy = "write {joints.JOINT.stiffness: {uniform: [2000, 6000]}}"
-        raise InputError("a mapping of what varies is needed", key="vary", value=entries, remedy=remedy)
-    kinds = {}
-    for path, entry in entries.items():
-        with placed(key=f"vary.{path}"):
-            kinds[str(path)] = distribution(entry)
-    return kinds
-
-
 def _runs(given: Any, points: int, random: bool) -> int:
     """Runs at each point of the grid."""
     if random and given is None:
@@ -173,8 +155,7 @@ def _runs(given: Any, points: int, random: bool) -> int:
         remedy = f"the grid has {points} points, one run each: leave it out"
         raise InputError("nothing is drawn at random", key="runs", value=given, remedy=remedy)
     runs = runs if random else 1
-    if runs * points > MAX_RUNS:
-        raise InputError(f"more than {MAX_RUNS} runs", key="runs", value=runs * points)
+    study_keys.check_number_of_runs(runs, points)
     return runs
 
 
@@ -185,42 +166,7 @@ def _duration(given: Any, model: FlexibleJointModel, command: Any) -> float:
             remedy = "give it in s, or a command that has an end"
             raise InputError("the duration is missing", key="duration", remedy=remedy)
         return length
-    return number("duration", given, "a time above 0 s is needed", above=0.0)
-
-
-def _solver(entry: Any) -> dict[str, Any]:
-    """The solver's name and settings; ``auto`` if none is given."""
-    if entry is None or entry == "auto" or entry == {"name": "auto"}:
-        return {"name": "auto"}
-    settings = {"name": entry} if isinstance(entry, str) else entry
-    if not isinstance(settings, Mapping) or not isinstance(settings.get("name"), str):
-        remedy = "write {name: TimeStepping, step: 1.0e-3}"
-        raise InputError("a solver's name is needed", key="solver", value=entry, remedy=remedy)
-    numbers: dict[str, Any] = {str(key): value for key, value in settings.items() if key != "name"}
-    if settings["name"] == "auto":
-        raise InputError("solver auto takes no settings", key=f"solver.{next(iter(numbers))}", remedy="name a solver")
-    return make_solver(settings["name"], **numbers).to_dict()
-
-
-def _keep(entry: Any) -> tuple[str, ...]:
-    names = _names("keep", entry)
-    for i, name in enumerate(names):
-        check_known(name, SIGNALS, "no such channel", key=f"keep[{i}]", value=name)
-    return names
-
-
-def _names(key: str, entry: Any) -> tuple[str, ...]:
-    """A list of names, none of them twice."""
-    if entry is None:
-        return ()
-    if not isinstance(entry, Sequence) or isinstance(entry, str):
-        raise InputError("a list of names is needed", key=key, value=entry)
-    for i, name in enumerate(entry):
-        if not isinstance(name, str):
-            raise InputError("a name is needed", key=f"{key}[{i}]", value=name)
-        if name in entry[:i]:
-            raise InputError("the name is there twice", key=f"{key}[{i}]", value=name)
-    return tuple(entry)
+    return study_keys.checked_duration(given)
 
 
 def _chunk(given: Any, count: int, samples: float, n: int) -> int:

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Sequence
 
 from flexdyn.cli import completion
-from flexdyn.cli.failures import report, show_warning
+from flexdyn.cli.failures import print_error, show_warning
 
 INTERRUPTED = 130
 """128 + SIGINT: the exit code of a tool that Ctrl-C ended; typer returns it without a message."""
@@ -43,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             _mute()
             return BROKEN_PIPE
         except (Exception, KeyboardInterrupt) as error:
-            code = report(error)
+            code = print_error(error)
             _drop_the_rest()
     return code
 

@@ -85,6 +85,6 @@ def _print_version() -> None:
 def _program(
     version: Annotated[bool, flag("--version", "Print the version and stop.", _print_version)] = False,
     install_completion: Annotated[bool, flag("--install-completion", INSTALLS, completion.install)] = False,
-    show_completion: Annotated[bool, flag("--show-completion", SHOWS, completion.show)] = False,
+    show_completion: Annotated[bool, flag("--show-completion", SHOWS, completion.print_script)] = False,
 ) -> None:
     """Take the options that come before any command."""

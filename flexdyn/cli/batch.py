@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flexdyn.cli.options import JsonOption, flag, naming, option, output_folder, output_option, picture_file
-from flexdyn.cli.output import answer, note, number, progress, show, show_json, table
+from flexdyn.cli.output import answer, cell, note, progress, show, show_json, table
 from flexdyn.errors import InputError
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ STRONGEST = 3
 def batch(
     target: Annotated[Path, typer.Argument(metavar="STUDY|OUT", help="A study file to run, or the store of one.")],
     output: Annotated[
-        Path | None, output_option("OUT", "The Zarr store to write; of --summary a picture, of --extract a folder.")
+        Path | None, output_option("OUT", "The Zarr store to write; with --summary a picture, with --extract a folder.")
     ] = None,
     workers: Annotated[int | None, option("N", "Threads. Default: the processors this process may use.")] = None,
     scheduler: Annotated[
@@ -49,9 +49,10 @@ def batch(
 ) -> None:
     """Run a batch study, or look into the store of one.
 
-    If the process is killed, at most the chunks in progress are lost: --resume continues, and the store is then bit for
-    bit that of one uninterrupted run. The store's status says why a run failed; the others continue. A metric of your
-    own (package.module:function) is imported: run no study file whose Python you do not trust.
+    If the process is killed, at most the chunks in progress are lost: --resume continues, and the store then has
+    the same bits as after a run without interruption. The store's status says why a run failed; the others
+    continue. A metric of your own (package.module:function) is imported: run no study file whose Python you do not
+    trust.
     """
     asked = [name for name, given in (("--summary", summary), ("--extract", extract is not None)) if given]
     if len(asked) > 1:
@@ -132,9 +133,9 @@ def summary_parts(summary: Summary) -> list[Any]:
                 each.name,
                 each.unit or "-",
                 each.runs,
-                *map(number, (each.mean, each.std, each.least)),
-                *(number(each.quantiles.get(share)) for share in REPORT_QUANTILES),
-                number(each.greatest),
+                *map(cell, (each.mean, each.std, each.least)),
+                *(cell(each.quantiles.get(share)) for share in REPORT_QUANTILES),
+                cell(each.greatest),
                 "-" if each.worst is None else each.worst,
             )
             for each in summary.metrics
@@ -142,7 +143,7 @@ def summary_parts(summary: Summary) -> list[Any]:
         parts.append(table("Metrics", METRICS, rows_, right=METRICS[2:]))
     columns = ("parameter", "unit", "least", "greatest", "rank correlation with metrics")
     varied = [
-        (each.name, each.unit or "-", number(each.least), number(each.greatest), _correlations(each.sensitivities))
+        (each.name, each.unit or "-", cell(each.least), cell(each.greatest), _correlations(each.sensitivities))
         for each in summary.parameters
     ]
     return [*parts, table("What varies", columns, varied, right=columns[2:4])]
@@ -154,7 +155,7 @@ def extracted_lines(taken: Extracted) -> list[Any]:
     Args:
         taken: its files and the command line that makes it.
     """
-    numbers = [(path, number(value, 8)) for path, value in taken.values.items()]
+    numbers = [(path, cell(value, 8)) for path, value in taken.values.items()]
     files = ", ".join(str(path) for path in (taken.model, taken.command) if path is not None)
     return [f"run {taken.run} in {files}", table("Drawn", ("number", "value"), numbers, right=("value",)), taken.line]
 

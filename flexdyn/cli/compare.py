@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from flexdyn.cli.options import JsonOption, naming, output_option, picture_file
-from flexdyn.cli.output import answer, number, table
+from flexdyn.cli.output import answer, cell, table
 from flexdyn.cli.plot import FromOption, MapsOption, ToOption, load_all, window
 from flexdyn.comparison.compare import Comparison
 from flexdyn.comparison.compare import compare as compare_two
@@ -53,17 +53,17 @@ def compare(
         found = compare_two(one, two, start=low, end=high)
         if path is not None:
             found.plot(path)
-    answer(found, report, as_json, path)
+    answer(found, comparison_text, as_json, path)
 
 
-def report(found: Comparison) -> list[Any]:
+def comparison_text(found: Comparison) -> list[Any]:
     """The text for a comparison."""
     head = (
         f"{found.second} - {found.first}, {found.samples} samples of {found.first} "
-        f"from {number(found.start, 6)} to {number(found.end, 6)} s"
+        f"from {cell(found.start, 6)} to {cell(found.end, 6)} s"
     )
     rows = [
-        (row.channel, row.unit or "-", *map(number, (row.rms, row.largest, row.at, row.bias, row.relative)))
+        (row.channel, row.unit or "-", *map(cell, (row.rms, row.largest, row.at, row.bias, row.relative)))
         for row in found.rows
     ]
     parts: list[Any] = [head, table("Errors", COLUMNS, rows, right=COLUMNS[2:], legend=ERRORS_LEGEND)]

@@ -31,7 +31,7 @@ def install() -> None:
     typer.echo(f"completion for {shell} is installed in {path}; it works in the next terminal")
 
 
-def show() -> None:
+def print_script() -> None:
     """Print the script.
 
     Raises:
@@ -51,7 +51,7 @@ def models(incomplete: str) -> list[str]:
     return [name for name in sorted({*shipped_models(), *robot_names()}) if name.startswith(incomplete)]
 
 
-def effects(incomplete: str) -> list[str]:
+def effect_names(incomplete: str) -> list[str]:
     """Names of effects."""
     from flexdyn.effects import catalogue
 

@@ -15,7 +15,7 @@ from flexdyn.cli import diagnose_inputs
 from flexdyn.cli.failures import ProgramInterrupted
 from flexdyn.cli.options import JsonOption, ModelArgument, naming, option, output_option
 from flexdyn.cli.output import note, show, show_json
-from flexdyn.cli.recordings import load_each, trimmed
+from flexdyn.cli.recordings import load_each, trimmed_recordings
 from flexdyn.cli.target import model_file
 from flexdyn.errors import check_installed
 
@@ -33,7 +33,7 @@ MAPS_OPTION = option(
 TRIM_OPTION = option("START:END", "Use this span of every recording, in s; or one for each, in their order.", "--trim")
 HOLD_OUT_OPTION = option(
     "START:END",
-    "A block of the recordings of FIT that is kept apart as test data, in s. May be given again.",
+    "From START to END, in s, the recordings of FIT are kept as test data. May be given several times.",
     "--hold-out",
 )
 EXPECT_OPTION = option("EFFECT", "An effect that the drive is likely to have, by its data sheet.", "--expect")
@@ -51,10 +51,10 @@ class DiagnoseCommand(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the arguments."""
         takes = {name: 0 if getattr(entry, "is_flag", False) else 1 for entry in self.params for name in entry.opts}
-        return list(super().parse_args(ctx, spread(args, takes)))
+        return list(super().parse_args(ctx, repeated_option(args, takes)))
 
 
-def spread(args: Sequence[str], takes: Mapping[str, int]) -> list[str]:
+def repeated_option(args: Sequence[str], takes: Mapping[str, int]) -> list[str]:
     """The arguments with an option ``--check`` before every recording that follows ``--check``.
 
     Only after MODEL and FIT: before them the next word is MODEL or FIT.
@@ -96,7 +96,7 @@ def diagnose(
 ) -> None:
     """Find where model and measurement disagree, and name what is missing in the model.
 
-    It writes a report, for people and for programs, and the corrected model. Ctrl-C writes what is known by then.
+    It writes a report, for people and for programs, and the corrected model. On Ctrl-C it writes what is known by then.
     """
     from flexdyn.diagnose.report.result import Interrupted as Partial
 
@@ -107,7 +107,7 @@ def diagnose(
     arm = model_file(model)
     diagnose_inputs.check_targets(arm, targets)
     blocks = [diagnose_inputs.block_of(text) for text in hold_out or ()]
-    loaded = trimmed(load_each([*fit, *checks], maps or ()), trim or ())
+    loaded = trimmed_recordings(load_each([*fit, *checks], maps or ()), trim or ())
     recordings = [loaded[: len(fit)], loaded[len(fit) :]]
     from flexdyn.diagnose import diagnose as run
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexdyn.cli.options import naming, output_folder, span_of
-from flexdyn.cli.recordings import parts_of
+from flexdyn.cli.recordings import files_beside
 from flexdyn.errors import InputError
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def record_of(model: str, fit: Sequence[Path], check: Sequence[Path], maps: Sequ
 
     uses = [(Path(model), "model"), *((path, "fit") for path in fit), *((path, "test") for path in check)]
     uses += [(each, "channel map") for each in maps]
-    files = [File.of(part, use) for path, use in uses for part in parts_of(path)]
+    files = [File.of(part, use) for path, use in uses for part in files_beside(path)]
     return lambda: record(shlex.join(["flexdyn", *sys.argv[1:]]), files)
 
 

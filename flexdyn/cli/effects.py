@@ -12,7 +12,7 @@ import typer
 
 from flexdyn.cli import completion
 from flexdyn.cli.options import JsonOption, output_file, output_option
-from flexdyn.cli.output import number, show, show_json, table
+from flexdyn.cli.output import cell, show, show_json, table
 from flexdyn.effects import Effect, catalogue
 from flexdyn.effects.catalogue import find_effect
 from flexdyn.errors import InputError
@@ -27,7 +27,7 @@ _NOWHERE = {
 def effects(
     name: Annotated[
         str | None,
-        typer.Argument(metavar="NAME", help="An effect to describe in full.", autocompletion=completion.effects),
+        typer.Argument(metavar="NAME", help="An effect to describe in full.", autocompletion=completion.effect_names),
     ] = None,
     output: Annotated[Path | None, output_option("FILE", "Draw the law of NAME into this .png, .pdf or .svg.")] = None,
     as_json: JsonOption = False,
@@ -43,7 +43,7 @@ def effects(
     if chosen is not None and output is not None:
         draw_law(chosen, output_file("--output", output, SUFFIXES))
     if as_json:
-        show_json(describe(chosen) if chosen else [describe(kind) for kind in catalogue().values()])
+        show_json(effect_document(chosen) if chosen else [effect_document(kind) for kind in catalogue().values()])
     elif chosen is None:
         show(_overview())
     else:
@@ -52,7 +52,7 @@ def effects(
             show(f"law drawn in {output}")
 
 
-def describe(kind: type[Effect]) -> dict[str, Any]:
+def effect_document(kind: type[Effect]) -> dict[str, Any]:
     """The description of an effect, as in the JSON document."""
     return {
         "effect": kind.name,
@@ -110,8 +110,8 @@ def _parameters(kind: type[Effect]) -> Any:
     rows = []
     for field in kind.parameters():
         lower, strict = field.metadata["lower"], field.metadata["strict"]
-        bound = "any" if lower == float("-inf") else f"{'above' if strict else 'at least'} {number(lower)}"
-        default = "-" if field.default is dataclasses.MISSING else number(field.default)
+        bound = "any" if lower == float("-inf") else f"{'above' if strict else 'at least'} {cell(lower)}"
+        default = "-" if field.default is dataclasses.MISSING else cell(field.default)
         rows.append((field.name, field.metadata["unit"], default, bound, told.get(field.name, "")))
     rows += [(name, "-", "-", "a name", told.get(name, "")) for name in _names(kind)]
     return table("Parameters", ("name", "unit", "default", "value", "meaning"), rows)
@@ -138,7 +138,7 @@ def meanings(kind: type[Effect]) -> dict[str, str]:
 def _listed(kind: type[Effect]) -> str:
     listed = []
     for field in kind.parameters():
-        default = "" if field.default is dataclasses.MISSING else f" = {number(field.default)}"
+        default = "" if field.default is dataclasses.MISSING else f" = {cell(field.default)}"
         listed.append(f"{field.name} [{field.metadata['unit']}]{default}")
     return ", ".join(listed + _names(kind))
 
@@ -151,7 +151,7 @@ def _names(kind: type[Effect]) -> list[str]:
 
 
 def _neutral(kind: type[Effect]) -> str:
-    return ", ".join(f"{key} = {number(value)}" for key, value in kind.neutral.items()) or "-"
+    return ", ".join(f"{key} = {cell(value)}" for key, value in kind.neutral.items()) or "-"
 
 
 def _yaml(kind: type[Effect]) -> str:

@@ -78,13 +78,13 @@ def write_example(name: str, folder: Path) -> tuple[Path, ...]:
     files = tuple(folder / file for file in ("model.yaml", "monday.csv", "tuesday.csv", "README.txt"))
     save_model(model, files[0])
     for day, file in enumerate(files[1:3]):
-        write_recording(measured(robot, day), file)
+        write_recording(example_log(robot, day), file)
     readme = fill("cli/example_readme.txt", name=name, words=EXAMPLES[name].words, commands=commands(folder))
     write_text(files[3], readme + "\n")
     return files
 
 
-def measured(robot: FlexibleJointModel, day: int) -> Recording:
+def example_log(robot: FlexibleJointModel, day: int) -> Recording:
     """A log of the robot's encoders and motor currents; each day has another motion."""
     t = np.arange(round(RATE * SECONDS)) / RATE
     shoulder = 0.5 * np.sin((0.9 + 0.1 * day) * t) + 0.2 * np.sin((5.0 - 0.4 * day) * t)

@@ -19,7 +19,7 @@ class ProgramInterrupted(Exception):
     """Ctrl-C, raised so that click does not print its own message."""
 
 
-def report(error: BaseException) -> int:
+def print_error(error: BaseException) -> int:
     """Print an error on stderr.
 
     Args:

@@ -13,7 +13,7 @@ import numpy as np
 from flexdyn.cli import modes as cli_modes
 from flexdyn.cli.motors import motors
 from flexdyn.cli.options import JsonOption, by_joint, flag, model_argument, naming, option, output_file, output_option
-from flexdyn.cli.output import number, show, show_json, table
+from flexdyn.cli.output import cell, show, show_json, table
 from flexdyn.cli.target import Target, find
 from flexdyn.effects import Effect, InertiaEffect, JointEffect
 from flexdyn.errors import InputError
@@ -56,17 +56,18 @@ def info(
 ) -> None:
     """Show what a robot or model is made of: joints, drives, inertias, frequencies, effects.
 
-    A name that is both (panda) means the shipped model. M_ii is the inertia about a joint at --q with the other
-    joints held; for a rigid joint it includes J. f locked is the frequency with the rotor held, sqrt(K/M_ii)/2pi.
-    f free is the frequency with the rotor free. --modes couples all joints, each spring under its load at --q.
+    A name that a robot and a shipped model share (panda) means the model. M_ii is the inertia about a joint at --q
+    with the other joints held; for a rigid joint it includes J. f locked is the frequency with the rotor held,
+    sqrt(K/M_ii)/2pi. f free is the frequency with the rotor free. --modes couples all joints, each spring under its
+    load at --q.
     """
     picture = _picture(modes, path, output)
     found = find(target)
     pose = by_joint("--q", q or (), found.model.joint_names)
     with naming({"q": "--q"}, file=target, files={}):
-        document = describe(found, pose)
+        document = model_document(found, pose)
         if modes:
-            document["modes"] = cli_modes.describe(found.model, pose)
+            document["modes"] = cli_modes.modes_document(found.model, pose)
     if picture is not None and path is not None:
         draw_frequencies(cli_modes.along(found.model, path), picture)
     if as_json:
@@ -96,7 +97,7 @@ def _picture(modes: bool, path: Path | None, output: Path | None) -> Path | None
     return output_file("--output", output, SUFFIXES, inputs=(path,))
 
 
-def describe(found: Target, q: Mapping[str, float]) -> dict[str, Any]:
+def model_document(found: Target, q: Mapping[str, float]) -> dict[str, Any]:
     """The content of `info`, as in the JSON document.
 
     Args:
@@ -179,16 +180,16 @@ def _tip(model: FlexibleJointModel) -> str | None:
 def _head(document: Mapping[str, Any]) -> str:
     """What the model is: its robot, joints, mass, gravity, tip frame and locked joints."""
     elastic = sum(joint["elastic"] for joint in document["joints"])
-    payload = f" and {number(document['payload'])} kg payload" if document["payload"] else ""
+    payload = f" and {cell(document['payload'])} kg payload" if document["payload"] else ""
     lines = [
         f"{document['name']}, taken for a {document['taken']}; robot: {document['robot']}",
         f"{len(document['joints'])} joints, {elastic} elastic",
-        f"moving mass: {number(document['moving_mass'])} kg{payload}",
+        f"moving mass: {cell(document['moving_mass'])} kg{payload}",
         f"gravity: {list(document['gravity'])} m/s^2",
         f"tip frame: {document['tip'] or 'none, the arm is branched'}",
     ]
     if document["lock"]:
-        lines.append("locked: " + ", ".join(f"{name} at {number(value)}" for name, value in document["lock"].items()))
+        lines.append("locked: " + ", ".join(f"{name} at {cell(value)}" for name, value in document["lock"].items()))
     return "\n".join(lines)
 
 
@@ -199,8 +200,8 @@ def _drives(document: Mapping[str, Any]) -> Any:
         (
             joint["name"],
             "elastic" if joint["elastic"] else "rigid",
-            *(number(joint[key]) for key in DRIVE_COLUMNS),
-            *("-" if joint[key] is None else f"{number(joint[key])} Hz" for key in FREQUENCIES),
+            *(cell(joint[key]) for key in DRIVE_COLUMNS),
+            *("-" if joint[key] is None else f"{cell(joint[key])} Hz" for key in FREQUENCIES),
         )
         for joint in document["joints"]
     ]
@@ -210,7 +211,7 @@ def _drives(document: Mapping[str, Any]) -> Any:
 
 def _axes(document: Mapping[str, Any]) -> Any:
     rows = [
-        (axis, " + ".join(f"{number(value)} {joint}" for joint, value in entry.items()))
+        (axis, " + ".join(f"{cell(value)} {joint}" for joint, value in entry.items()))
         for axis, entry in document["axes"].items()
     ]
     return table("Axes of coupled drives", ("axis", "is"), rows) if rows else None
@@ -218,8 +219,7 @@ def _axes(document: Mapping[str, Any]) -> Any:
 
 def _followers(document: Mapping[str, Any]) -> Any:
     rows = [
-        (name, leader, number(factor), number(offset))
-        for name, (leader, factor, offset) in document["followers"].items()
+        (name, leader, cell(factor), cell(offset)) for name, (leader, factor, offset) in document["followers"].items()
     ]
     return table("Mimic joints", ("joint", "follows", "times", "plus"), rows, right=("times", "plus")) if rows else None
 
@@ -227,7 +227,7 @@ def _followers(document: Mapping[str, Any]) -> Any:
 def _effects_table(document: Mapping[str, Any]) -> Any:
     rows = []
     for effect in document["effects"]:
-        numbers = [f"{key} {number(entry['value'])} {entry['unit']}" for key, entry in effect["parameters"].items()]
+        numbers = [f"{key} {cell(entry['value'])} {entry['unit']}" for key, entry in effect["parameters"].items()]
         frame = [f"frame {effect['frame']}"] if effect.get("frame") else []
         place = (effect["joint"] or "-", effect["side"] or "-")
         nothing = " (neutral: it changes nothing)" if effect["neutral"] else ""

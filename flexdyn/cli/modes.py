@@ -11,7 +11,7 @@ import numpy as np
 from flexdyn.analysis.eigenmodes import modes
 from flexdyn.analysis.modes_result import Modes
 from flexdyn.analysis.path import PathFrequencies, frequencies_over_path
-from flexdyn.cli.output import number, table
+from flexdyn.cli.output import cell, table
 from flexdyn.errors import placed
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import read_recording
@@ -22,7 +22,7 @@ PATH_POSES = 400
 """Number of poses of a path that are used."""
 
 
-def describe(model: FlexibleJointModel, q: Mapping[str, float]) -> dict[str, Any]:
+def modes_document(model: FlexibleJointModel, q: Mapping[str, float]) -> dict[str, Any]:
     """The modes of a model about a pose, as the JSON document holds them.
 
     Args:
@@ -65,15 +65,15 @@ def tables(document: Mapping[str, Any], elastic: Mapping[str, bool]) -> list[Any
     """The modes as text.
 
     Args:
-        document: of `describe`.
+        document: of `modes_document`.
         elastic: by joint; the rotor of a rigid joint is not shown.
     """
-    at = ", ".join(f"{joint} {number(value)}" for joint, value in document["q"].items())
+    at = ", ".join(f"{joint} {cell(value)}" for joint, value in document["q"].items())
     made: list[Any] = [_table(f"Modes at {at}, rotors let go", document["free"], elastic)]
     if document["held"] is not None:
         made.append(_table("Modes with the rotors held", document["held"], elastic))
     rows = [
-        (joint, ", ".join(f"{number(zero)} Hz" for zero in zeros) or "none")
+        (joint, ", ".join(f"{cell(zero)} Hz" for zero in zeros) or "none")
         for joint, zeros in document["anti_resonances"].items()
     ]
     made.append(table("Anti-resonances, from a motor's torque to its own speed", ("motor", "frequencies"), rows))
@@ -87,7 +87,7 @@ def _table(title: str, modes_: list[dict[str, Any]], elastic: Mapping[str, bool]
         ratio = "-" if row["damping_ratio"] is None else f"{100 * row['damping_ratio']:.3g} %"
         most = row["dominant"]["joint"]
         part = f"{most} {row['dominant']['part']}" if elastic[most] else most
-        rows.append((row["mode"], f"{number(row['frequency'])} Hz", ratio, row["kind"], part, _shape(row, elastic)))
+        rows.append((row["mode"], f"{cell(row['frequency'])} Hz", ratio, row["kind"], part, _shape(row, elastic)))
     return table(title, columns, rows, right=("mode", "frequency", "damping"))
 
 
@@ -96,9 +96,9 @@ def _shape(row: Mapping[str, Any], elastic: Mapping[str, bool]) -> str:
     shown = []
     for joint, part, value in _entries(row):
         twin = row["rotor" if part == "link" else "link"][joint]
-        together = not elastic[joint] or number(value, 2) == number(twin, 2)
+        together = not elastic[joint] or cell(value, 2) == cell(twin, 2)
         if abs(value) >= SHOWN_SHAPE_SHARE and not (together and part == "rotor"):
-            shown.append(f"{joint} {number(value, 2)}" if together else f"{joint} {part} {number(value, 2)}")
+            shown.append(f"{joint} {cell(value, 2)}" if together else f"{joint} {part} {cell(value, 2)}")
     return ", ".join(shown)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from flexdyn.cli.output import number, table
+from flexdyn.cli.output import cell, table
 
 UNITS = {"torque_constant": "N m/A", "resistance": "ohm", "supply": "V", "current_limit": "A", "inductance": "H"}
 """Of a DC motor's numbers."""
@@ -23,7 +23,7 @@ def motors(joints: Sequence[Mapping[str, Any]]) -> Any:
         (
             name,
             *(
-                f"{number(drive['dc_motor'][key])} {unit}" if key in drive["dc_motor"] else "-"
+                f"{cell(drive['dc_motor'][key])} {unit}" if key in drive["dc_motor"] else "-"
                 for key, unit in UNITS.items()
             ),
             _firmware(drive.get("firmware")),
@@ -36,4 +36,4 @@ def motors(joints: Sequence[Mapping[str, Any]]) -> Any:
 def _firmware(settings: Mapping[str, Any] | None) -> str:
     if settings is None:
         return "-"
-    return ", ".join(f"{key} {number(settings[key])}" for key in ("kp", "ki", "kd", "rate"))
+    return ", ".join(f"{key} {cell(settings[key])}" for key in ("kp", "ki", "kd", "rate"))

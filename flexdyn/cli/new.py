@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Annotated
 
 from flexdyn.cli.options import flag, model_argument, output_file, output_option
-from flexdyn.cli.output import number, show
+from flexdyn.cli.output import cell, show
 from flexdyn.cli.target import MODEL_SUFFIXES
 from flexdyn.effects import catalogue, unit_for
 from flexdyn.errors import InputError
@@ -81,7 +81,7 @@ def model_text(model: FlexibleJointModel, folder: Path) -> str:
         bandwidth=f"{SUGGESTED_BANDWIDTH:g}",
         effects=list(_effect_entries(model)),
         quoted=quoted,
-        number=number,
+        number=cell,
         two_digits=_two_digits,
         isinf=math.isinf,
         pi=math.pi,

@@ -69,7 +69,7 @@ def by_joint(option: str, texts: Sequence[str], joint_names: Sequence[str]) -> d
     names = [name.strip() for name, sign, _ in named if sign]
     if names and len(names) != len(entries):
         remedy = "give joint=value for each, or one value for every joint"
-        raise InputError("values with and without a joint", key=option, value=",".join(texts), remedy=remedy)
+        raise InputError("some values name a joint, others do not", key=option, value=",".join(texts), remedy=remedy)
     if not names:
         if len(entries) != len(joint_names):
             remedy = f"the joints are {', '.join(joint_names)}; or give some as joint=value"

@@ -96,6 +96,6 @@ def table(
     return Sheet(visible(title), tuple(heads), cells, frozenset(numbers), legend or {})
 
 
-def number(value: float | None, digits: int = 4) -> str:
+def cell(value: float | None, digits: int = 4) -> str:
     """A number for a table; a dash if there is none."""
     return "-" if value is None or math.isnan(value) else f"{value:.{digits}g}"

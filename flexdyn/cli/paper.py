@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from flexdyn.cli.options import JsonOption, output_folder, output_option
-from flexdyn.cli.output import number, progress, show, show_json, table
+from flexdyn.cli.output import cell, progress, show, show_json, table
 
 DIAGNOSES = "Also hide the friction from the model, and let the diagnosis find it. Takes a minute."
 
@@ -26,15 +26,15 @@ def paper(
     It writes figures, tables and runs. Every check compares a number with its bound; exit code 1 if one fails.
     """
     output_folder(output)
-    from flexdyn.paper import run_study
+    from flexdyn.paper import run_paper_study
 
     with progress("the paper's study") as report:
-        study = run_study(output, diagnose=diagnose, progress=report)
+        study = run_paper_study(output, diagnose=diagnose, progress=report)
     if as_json:
         show_json(study.summary)
     else:
         rows = [
-            (check.name, number(float(check.value)), number(float(check.bound)), "passed" if check.passed else "FAILED")
+            (check.name, cell(float(check.value)), cell(float(check.bound)), "passed" if check.passed else "FAILED")
             for check in study.checks
         ]
         if diagnose:
@@ -58,7 +58,7 @@ def _found(summary: Mapping[str, Any], output: Path) -> Iterator[Any]:
         estimate = None if each["found"] is None else Number(each["found"], each["std"], each["unit"])
         found = "not found" if estimate is None else estimate_text(estimate)
         name = f"{effect_name(each['effect'])} {place_phrase(each['joint'], each['side'])}"
-        rows.append((name, each["parameter"], number(each["true"]), found))
+        rows.append((name, each["parameter"], cell(each["true"]), found))
     columns = ("hidden", "number", "true", "found")
     yield table(CHAPTER_TITLE, columns, rows, right=columns[2:])
     steps = [(each["name"], times(each["gap"])) for each in told["gap"]]

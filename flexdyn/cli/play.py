@@ -21,7 +21,7 @@ OPTION_OF_KEY = {"magnify": "--magnify", "command": "--command"}
 
 def play(
     run: Annotated[
-        str, typer.Argument(metavar="RUN|MODEL", help="A recording; or a model or robot, shown where it starts.")
+        str, typer.Argument(metavar="RUN|MODEL", help="A recording; or a model or robot, shown in its first position.")
     ],
     other: Annotated[
         Path | None,

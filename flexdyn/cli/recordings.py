@@ -31,7 +31,7 @@ def load_each(paths: Sequence[Path], maps: Sequence[Path]) -> list[Recording]:
     return [load(path, map=map) for path, map in zip(paths, each, strict=True)]
 
 
-def trimmed(recordings: Sequence[Recording], spans: Sequence[str]) -> list[Recording]:
+def trimmed_recordings(recordings: Sequence[Recording], spans: Sequence[str]) -> list[Recording]:
     """Spans of recordings: one for all of them, or one for each.
 
     Args:
@@ -71,10 +71,10 @@ def load(path: Path, *, map: Path | None = None, name: str | None = None) -> Rec
     Raises:
         InputError: a file or map with a fault, another number of maps than files, or files that do not fit together.
     """
-    files = parts_of(path)
+    files = files_beside(path)
     if len(files) == 1:
         return _load(path, map=map, name=name)
-    maps: list[Path | None] = [None] if map is None else list(parts_of(map))
+    maps: list[Path | None] = [None] if map is None else list(files_beside(map))
     if len(maps) not in (1, len(files)):
         problem = f"{len(maps)} maps for {len(files)} files side by side"
         raise InputError(problem, key="--map", value=str(map), remedy="give one for all, or one+one for each in order")
@@ -86,7 +86,7 @@ def load(path: Path, *, map: Path | None = None, name: str | None = None) -> Rec
     return made
 
 
-def parts_of(path: Path) -> tuple[Path, ...]:
+def files_beside(path: Path) -> tuple[Path, ...]:
     """The files side by side; a single one if there is no plus sign or if a file has it in its name."""
     parts = tuple(Path(part) for part in str(path).split("+"))
     return (path,) if len(parts) == 1 or path.exists() or not all(map(str, parts)) else parts

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from flexdyn.cli import options
-from flexdyn.cli.output import note, number, progress, show, show_json, table
+from flexdyn.cli.output import cell, note, progress, show, show_json, table
 from flexdyn.cli.recordings import load
 from flexdyn.cli.target import model_file
 from flexdyn.errors import InputError
@@ -68,11 +68,12 @@ def simulate(
     v0: Annotated[list[str] | None, options.option("VALUES", "First link velocities, likewise.")] = None,
     theta0: Annotated[
         list[str] | None,
-        options.option("VALUES", "First rotor positions, likewise, or equilibrium: springs carry gravity."),
+        options.option("VALUES", "First rotor positions, likewise; or equilibrium: the springs then carry gravity."),
     ] = None,
     omega0: Annotated[list[str] | None, options.option("VALUES", "First rotor velocities, likewise.")] = None,
     limits: Annotated[
-        bool, options.flag("--limits", "Keep to the URDF's limits: end stops at the ends of range, motors saturate.")
+        bool,
+        options.flag("--limits", "Keep to the limits in the URDF: end stops at the ends, saturated motors."),
     ] = False,
     as_json: options.JsonOption = False,
 ) -> None:
@@ -188,7 +189,7 @@ def _report(run: Run, path: Path) -> list[Any]:
     """The table of a run."""
     stats, joints = run.stats, summary(run, path)["joints"]
     head = (
-        f"{path}: {number(float(run.t[-1]), 6)} s of {run.model.name}, {len(run.t)} samples; "
+        f"{path}: {cell(float(run.t[-1]), 6)} s of {run.model.name}, {len(run.t)} samples; "
         f"{type(run.solver).__name__}, {stats['steps']} steps, {stats['rejected']} rejected, "
         f"{stats['evaluations']} evaluations, {stats['events']} events"
     )
@@ -197,7 +198,7 @@ def _report(run: Run, path: Path) -> list[Any]:
     rows = []
     for j, (name, entry) in enumerate(joints.items()):
         unit = f"{run.model.robot.angle_unit(j)}, {run.model.robot.torque_unit(j)}"
-        rows.append((name, unit, *(number(float(entry[key])) for key in keys)))
+        rows.append((name, unit, *(cell(float(entry[key])) for key in keys)))
     return [
         head,
         table(

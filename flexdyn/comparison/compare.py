@@ -11,7 +11,7 @@ import numpy as np
 from flexdyn.comparison.difference import common_rows, difference, root_mean_square
 from flexdyn.comparison.motion_sources import MotionSource, as_sources, unit_in
 from flexdyn.errors import InputError, did_you_mean, listed, visible
-from flexdyn.io.notebook import Public, card, table
+from flexdyn.io.notebook import Public, card, html_table
 from flexdyn.records.signals.gaps import in_gaps
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ class Comparison(Public):
             (each.channel, each.unit or "-", each.rms, each.largest, each.at, each.bias, each.relative)
             for each in self.rows
         )
-        return card(repr(self)[1:-1], {}, table(heads, rows))
+        return card(repr(self)[1:-1], {}, html_table(heads, rows))
 
     def __getitem__(self, channel: str) -> ChannelError:
         """Errors of one channel.

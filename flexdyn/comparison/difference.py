@@ -70,6 +70,9 @@ def difference(one: MotionSource, two: MotionSource, channel: str, rows: slice) 
         two: the other motion, evaluated at the times of the first.
         channel: a common channel.
         rows: of the first, from `common_rows`.
+
+    Raises:
+        InputError: all of these times are in gaps of the other, or the numbers are too great.
     """
     t, first = one.recording.t[rows], one.recording[channel][rows]
     if (missed := in_gaps(two.recording.t, t)).any():

@@ -102,7 +102,7 @@ def unit_in(sources: Sequence[MotionSource], channel: str) -> str:
     return next(iter(stated), "") or having[0].recording.unit(channel)
 
 
-def windowed(source: MotionSource, start: float | None, end: float | None) -> Indices:
+def samples_in_window(source: MotionSource, start: float | None, end: float | None) -> Indices:
     """Indices of the samples in a window of time.
 
     Args:

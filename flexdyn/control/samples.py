@@ -107,7 +107,12 @@ class Samples:
         return curve(self.t, columns, self.interpolation)
 
     def at(self, t: Array, columns: Array) -> Array:
-        """Columns at times from the first sample on (times, width); after the end their last value."""
+        """Columns at times from the first sample on (times, width); after the end their last value.
+
+        Args:
+            t: times from the first sample on (times,) [s].
+            columns: values at the samples (samples, width).
+        """
         from scipy.interpolate import PPoly
 
         breaks, coefficients, last = self.pieces(columns)
@@ -119,5 +124,5 @@ def _side_by_side(columns: Mapping[str, ArrayLike]) -> Array:
     arrays = [as_numbers(f"values.{joint}", column) for joint, column in columns.items()]
     if len({array.shape for array in arrays}) != 1 or arrays[0].ndim != 1:
         shapes = {joint: array.shape for joint, array in zip(columns, arrays, strict=True)}
-        raise InputError("one column (samples,) a joint is needed, all of one length", key="values", value=shapes)
+        raise InputError("one column (samples,) for each joint is needed, all equally long", key="values", value=shapes)
     return np.column_stack(arrays)

@@ -110,6 +110,7 @@ class Servo:
         asked: deque[Array] = deque(maxlen=self.delay + 1)
 
         def torque(t: float, state: State) -> Array:
+            """Torques (n,) at a tick of the controller [N m or N]; called once for each, in their order."""
             k = round(t * self.rate)
             now = min(k, len(wanted) - 1)
             y, dy = (state.theta, state.omega) if self.feedback == "theta" else (state.q, state.v)

@@ -17,6 +17,10 @@ INTERPOLATIONS = ("hold", "linear", "monotone", "cubic")
 def check_interpolation(key: str, given: Any) -> None:
     """Check how a command is interpolated.
 
+    Args:
+        key: of the setting, for the message.
+        given: its value.
+
     Raises:
         InputError: there is no such interpolation.
     """
@@ -26,6 +30,10 @@ def check_interpolation(key: str, given: Any) -> None:
 
 def check_feedback(key: str, given: Any) -> None:
     """Check from which side of the joints a controller gets its positions.
+
+    Args:
+        key: of the setting, for the message.
+        given: its value.
 
     Raises:
         InputError: it is neither.
@@ -44,6 +52,11 @@ def checked_rate(key: str, rate: Any) -> float:
 
 def per_joint(key: str, value: Any, joint_names: Sequence[str]) -> Array:
     """One number for all joints, one per joint, or a mapping by joint, as (n,).
+
+    Args:
+        key: of the setting, for the message.
+        value: as given.
+        joint_names: in the order of the result.
 
     Raises:
         InputError: wrong length, an unknown or missing joint, a number that is not finite.

@@ -104,6 +104,7 @@ class TorqueSpeedLimit(ActuatorEffect):
     shown = {"stall_torque": 1.0, "no_load_speed": 3.0}
     order = 5
     cuts_torque = True
+    keeps_to = "effort"
     grids = {  # of the applied torque: a controller may command many times the limit
         "stall_torque": ("given", (0.45, 0.6, 0.75, 0.9, 1.2, 1.6, 2.2, 3.0)),
         "no_load_speed": ("speed", (1.1, 1.5, 2.0, 3.0, 10.0)),

@@ -266,7 +266,12 @@ class Effect(Traits):
 
     @classmethod
     def numbers_of(cls, point: Sequence[float], x: Sequence[float]) -> dict[str, float] | None:
-        """Its parameters from values of its `axes` and of what it is linear in; None: there is no such effect."""
+        """Its parameters from values of its `axes` and of what it is linear in; None: there is no such effect.
+
+        Args:
+            point: of the grid, from `tried`.
+            x: numbers that a fit gave, in the order of `linear`.
+        """
         return dict(zip(cls.axes, point, strict=True)) | dict(zip(cls.linear, x, strict=True))
 
     @classmethod

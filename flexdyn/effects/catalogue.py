@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from flexdyn.checks import check_known
@@ -33,6 +33,16 @@ def catalogue() -> dict[str, type[Effect]]:
     place = {f"flexdyn.effects.{file}": k for k, file in enumerate(FILES)}
     known = registered()
     return {name: known[name] for name in sorted(known, key=lambda name: place.get(known[name].__module__, len(FILES)))}
+
+
+def names_where(holds: Callable[[type[Effect]], Any]) -> str:
+    """Names of the effects whose class has a property, for a message: ``a``, ``a or b``, ``a, b or c``.
+
+    Args:
+        holds: whether a class has it.
+    """
+    names = [name for name, kind in catalogue().items() if holds(kind)]
+    return " or ".join([", ".join(names[:-1]), *names[-1:]] if len(names) > 1 else names)
 
 
 def find_effect(name: Any) -> type[Effect]:

@@ -74,7 +74,13 @@ def instant(effects: Iterable[SensorEffect]) -> list[SensorEffect]:
 
 
 def slope(effects: Iterable[SensorEffect], x: Array, t: ArrayLike) -> Array:
-    """Derivative of the reported channel by the true one, by central differences [1]."""
+    """Derivative of the reported channel by the true one, by central differences [1].
+
+    Args:
+        effects: on the channel.
+        x: true values.
+        t: their times [s].
+    """
     effects = list(effects)
     return (measure(effects, x + SLOPE_STEP, t) - measure(effects, x - SLOPE_STEP, t)) / (2.0 * SLOPE_STEP)
 

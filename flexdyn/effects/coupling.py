@@ -159,7 +159,11 @@ class JointCoupling(CouplingEffect):
         return -rubbing - drag.torque(0.0, omega_other), self.ratio * rubbing
 
     def check_beside(self, others: Sequence[Effect]) -> None:
-        """Dry coupling is to one other motor only: torques in a chain of motors that stick are not determined."""
+        """Dry coupling is to one other motor only: torques in a chain of motors that stick are not determined.
+
+        Raises:
+            InputError: another dry coupling at one of its motors.
+        """
         for first in others if self.level > 0.0 else ():
             if not isinstance(first, CouplingEffect) or first.rubbing_ratio is None:
                 continue

@@ -140,6 +140,7 @@ class EndStop(LinkEffect):
     neutral = {"stiffness": 0.0, "damping": 0.0}
     shown = {"lower": -1.0, "upper": 1.0, "stiffness": 100.0, "damping": 2.0}
 
+    keeps_to = "range"
     linear_bounds = (0.0,)
 
     lower: float = parameter("rad", infinite=True, step=0.001)

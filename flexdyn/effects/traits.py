@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Literal, Self
 
+Limit = Literal["range", "effort"]
+"""Limits in a URDF that an effect may keep a joint to."""
 UNCOUNTED = ("friction", "damping", "elasticity", "drag", "backlash", "hysteresis", "ripple", "eccentricity")
 """What the name of an effect ends with where it takes no article in English."""
 
@@ -23,6 +25,7 @@ class Traits:
         cuts_torque: it limits the torque of a motor, so that a pose or a small motion must not reach it.
         scales_torque: of a gain of the motor's torque, ``tau_applied = (1 + gain) tau``, the parameter that is the
             gain. Several on one joint add.
+        keeps_to: the limit of a URDF that it enforces, ``range`` or ``effort``: `flexdyn.enforce_limits` adds no other.
         exact: parameters that are exact where a model file has the effect, as the ratio of teeth is.
         regressed: the number of a joint in a linear regressor that its first linear parameter adds to: ``viscous``,
             ``coulomb`` or ``offset``.
@@ -36,6 +39,7 @@ class Traits:
     conservative: ClassVar[bool] = False
     cuts_torque: ClassVar[bool] = False
     scales_torque: ClassVar[str] = ""
+    keeps_to: ClassVar[Limit | None] = None
     exact: ClassVar[tuple[str, ...]] = ()
     regressed: ClassVar[str] = ""
     steady: ClassVar[bool] = False

@@ -1,4 +1,4 @@
-"""Writing files so that nothing is lost or incomplete: into a temporary file, which is then renamed."""
+"""Files: written into temporary ones, which are then renamed, so that nothing is incomplete; texts of bounded size."""
 
 from __future__ import annotations
 
@@ -94,3 +94,30 @@ def write_text(path: Path, text: str) -> None:
     """Write a text file in UTF-8, completely or not at all."""
     with replacing(path) as fresh:
         fresh.write_text(text, encoding="utf-8")
+
+
+def bounded_text(path: Path, most: int, *, encoding: str, remedy: str) -> str:
+    """The text of a file from an unknown source.
+
+    Args:
+        path: of the file.
+        most: largest size that is read [bytes].
+        encoding: UTF-8, with or without a mark at its begin.
+        remedy: what to do if the file is too large.
+
+    Raises:
+        InputError: no such file, one that cannot be read, one that is too large, or no text in UTF-8.
+    """
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(most + 1)
+    except FileNotFoundError:
+        raise InputError("there is no such file", file=path) from None
+    except OSError as error:
+        raise InputError(f"it cannot be read ({error.strerror})", file=path) from None
+    if len(data) > most:
+        raise InputError(f"the file is larger than {most} bytes", file=path, remedy=remedy)
+    try:
+        return data.decode(encoding)
+    except UnicodeDecodeError:
+        raise InputError("it is not a text file in UTF-8", file=path) from None

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from flexdyn.errors import InputError
+from flexdyn.io.files import bounded_text
 
 
 def read_json(path: Path, most: int) -> Any:
@@ -19,19 +20,9 @@ def read_json(path: Path, most: int) -> Any:
     Raises:
         InputError: no such file, a file that is too large, or not JSON.
     """
+    text = bounded_text(path, most, encoding="utf-8", remedy="give the file as it was written")
     try:
-        with path.open("rb") as stream:
-            data = stream.read(most + 1)
-    except FileNotFoundError:
-        raise InputError("there is no such file", file=path) from None
-    except OSError as error:
-        raise InputError(f"it cannot be read ({error.strerror})", file=path) from None
-    if len(data) > most:
-        raise InputError(f"the file is larger than {most} bytes", file=path, remedy="give the file as it was written")
-    try:
-        return json.loads(data.decode("utf-8"), parse_constant=_refuse)
-    except UnicodeDecodeError:
-        raise InputError("it is not a text file in UTF-8", file=path) from None
+        return json.loads(text, parse_constant=_refuse)
     except RecursionError:
         raise InputError("not valid JSON (lists and objects nest too deep)", file=path) from None
     except ValueError as error:

@@ -40,7 +40,12 @@ def lock(value: Kept) -> Kept:
 
 
 def locked_copy(values: Any, dtype: Any = np.float64) -> NDArray[Any]:
-    """A copy of an array that nobody can write to."""
+    """A copy of an array that nobody can write to.
+
+    Args:
+        values: of the array.
+        dtype: of its entries.
+    """
     return lock(np.array(values, dtype=dtype, order="C"))
 
 

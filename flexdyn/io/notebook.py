@@ -25,14 +25,14 @@ def card(title: str, facts: Mapping[str, Any], *tables: str, notes: Iterable[str
     Args:
         title: what it is.
         facts: name -> value; empty values are left out.
-        tables: from `table`.
+        tables: from `html_table`.
         notes: sentences.
     """
     shown = [(name, value) for name, value in facts.items() if value not in ("", None)]
     return _macro("card", title, shown, tables, notes)
 
 
-def table(heads: Sequence[str], rows: Iterable[Sequence[Any]], most: int = MOST_TABLE_ROWS) -> str:
+def html_table(heads: Sequence[str], rows: Iterable[Sequence[Any]], most: int = MOST_TABLE_ROWS) -> str:
     """An HTML table; of many rows the first `most`."""
     listed = [[_text(cell) for cell in row] for row in rows]
     return _macro("table", heads, listed[:most], len(listed) - most) if listed else ""

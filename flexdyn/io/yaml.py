@@ -11,6 +11,7 @@ from typing import Any
 
 from flexdyn.checks import check_known
 from flexdyn.errors import InputError
+from flexdyn.io.files import bounded_text
 
 MAX_YAML_BYTES = 500_000
 """Largest size of a file [bytes]; such a file is read in some seconds."""
@@ -29,22 +30,16 @@ def read_yaml(path: Path) -> Mapping[str, Any]:
     Raises:
         InputError: no such file, a file that is too large, not YAML, or no mapping.
     """
-    try:
-        if path.stat().st_size > MAX_YAML_BYTES:
-            remedy = "keep long data in recordings"
-            raise InputError(f"the file is larger than {MAX_YAML_BYTES} bytes", file=path, remedy=remedy)
-        text = path.read_bytes().decode("utf-8-sig")
-    except FileNotFoundError:
-        raise InputError("there is no such file", file=path) from None
-    except OSError as error:
-        raise InputError(f"it cannot be read ({error.strerror})", file=path) from None
-    except UnicodeDecodeError:
-        raise InputError("it is not a text file in UTF-8", file=path) from None
+    text = bounded_text(path, MAX_YAML_BYTES, encoding="utf-8-sig", remedy="keep long data in recordings")
     return parse_yaml(text, path)
 
 
 def parse_yaml(text: str, path: Path | None = None) -> Mapping[str, Any]:
-    """Like `read_yaml`, for text that is already read; `path` is used in messages."""
+    """Like `read_yaml`, for text that is already read; `path` is used in messages.
+
+    Raises:
+        InputError: not YAML, no mapping, or nested too deep.
+    """
     from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 

@@ -109,7 +109,15 @@ class Actuator:
         return self.dc_motor.stall_torque(gear_ratio) if self.torque_per_volt is None else self.torque_per_volt
 
     def laws(self, joint: str, gear_ratio: float) -> tuple[MotorLaw, ...]:
-        """The laws that act on the commanded torque, behind the gear."""
+        """The laws that act on the commanded torque, behind the gear.
+
+        Args:
+            joint: its name.
+            gear_ratio: of the joint [1].
+
+        Returns:
+            The limit of the supply, if there is one, and the law of the torque.
+        """
         motor, asked = self.dc_motor, self.per_volt(gear_ratio)
         kt = gear_ratio * motor.torque_constant
         gain, back_emf = kt / motor.resistance / asked, kt * kt / motor.resistance

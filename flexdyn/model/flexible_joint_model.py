@@ -290,6 +290,7 @@ class FlexibleJointModel(Public):
 
     @cached_property
     def _resolved(self) -> FlexibleJointModel:
+        """The model with parameter errors and elasticities in its numbers; itself if it has none."""
         acting = [effect for effect in self.effects if not effect.is_neutral]
         told = any(not number.is_unknown for number in self.links.values())
         if not told and not any(effect.in_numbers for effect in acting):

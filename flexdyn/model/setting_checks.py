@@ -15,6 +15,7 @@ from flexdyn.control.points import command_of
 from flexdyn.control.samples import Samples
 from flexdyn.control.setting_checks import per_joint
 from flexdyn.effects import CouplingEffect, Effect, InertiaEffect, JointEffect, SensorEffect, effect_from_dict
+from flexdyn.effects.catalogue import names_where
 from flexdyn.errors import InputError, placed, retold
 from flexdyn.io.locked import frozen
 from flexdyn.model.given_number import UNKNOWN
@@ -35,7 +36,11 @@ def one_of(key: str, value: str, allowed: tuple[str, ...]) -> str:
 
 
 def gravity_checked(value: Any) -> tuple[float, float, float]:
-    """Check for three finite numbers [m/s^2]."""
+    """Check for three finite numbers [m/s^2].
+
+    Raises:
+        InputError: it is something else.
+    """
     listed = list(value) if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) else []
     numbers = [as_number(component) for component in listed]
     if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
@@ -44,7 +49,15 @@ def gravity_checked(value: Any) -> tuple[float, float, float]:
 
 
 def initial_checked(entries: Mapping[str, Any], names: tuple[str, ...]) -> Mapping[str, Mapping[str, float]]:
-    """First positions and velocities, by signal and joint, read-only."""
+    """First positions and velocities, by signal and joint, read-only.
+
+    Args:
+        entries: as given.
+        names: of the joints.
+
+    Raises:
+        InputError: an unknown signal or joint, or a value that is no finite number.
+    """
     checked = {}
     if not isinstance(entries, Mapping):
         raise InputError("a mapping is needed", key="initial", value=entries, remedy="write {q: {JOINT: value}}")
@@ -163,7 +176,8 @@ def _check(robot: Robot, joints: Mapping[str, Joint], softened: set[str], effect
         if effect.makes_elastic:
             _check_softening(effect, joints[name])
         elif not joints[name].elastic and name not in softened and (effect.side == "transmission" or effect.takes_load):
-            remedy = f"give joints.{name} a finite stiffness, or the effect joint_elasticity"
+            elastic = names_where(lambda kind: kind.makes_elastic)
+            remedy = f"give joints.{name} a finite stiffness, or the effect {elastic}"
             raise InputError(f"{effect.name} needs an elastic joint", key="joint", value=name, remedy=remedy)
 
 
@@ -172,14 +186,16 @@ def _check_replaced(robot: Robot, effect: JointEffect) -> None:
     if effect.stage == "link":
         return
     moved_by = " and ".join(axis for axis, entry in robot.axes.items() if effect.joint in entry)
-    remedy = f"name an axis that moves it, {moved_by}; end_stop, parallel_spring and position_torque may name the joint"
+    free = names_where(lambda kind: kind.stage == "link")
+    remedy = f"name an axis that moves it, {moved_by}; {free} may name the joint"
     raise InputError(f"{effect.name} acts on axes", key="joint", value=effect.joint, remedy=remedy)
 
 
 def _check_softening(effect: JointEffect, joint: Joint) -> None:
+    """Refuse an elasticity where the joint has one already, or no rotor that could move."""
     name = effect.joint
     if joint.elastic:
-        remedy = f"change joints.{name}.stiffness, or use hardening_spring"
+        remedy = f"change joints.{name}.stiffness"
         raise InputError(f"{effect.name} needs a rigid joint", key="joint", value=name, remedy=remedy)
     if joint.rotor_inertia == 0 and not joint.given("rotor_inertia").is_unknown:
         remedy = f"give joints.{name}.rotor_inertia in kg m^2 on the motor side"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexdyn.io.notebook import card, table
+from flexdyn.io.notebook import card, html_table
 
 if TYPE_CHECKING:
     from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -28,5 +28,5 @@ def as_card(model: FlexibleJointModel) -> str:
     )
     heads = ("joint", "drive", "gear", "J reflected [kg m^2]", "K [N m/rad]", "D [N m s/rad]")
     facts = {"robot": model.robot.name, "gravity [m/s^2]": list(model.gravity), "tolerance": model.tolerance}
-    second = table(("effect", "joint", "side", "numbers"), effects)
-    return card(f"FlexibleJointModel {model.name}", facts, table(heads, drives), second)
+    second = html_table(("effect", "joint", "side", "numbers"), effects)
+    return card(f"FlexibleJointModel {model.name}", facts, html_table(heads, drives), second)

@@ -69,10 +69,10 @@ class Bench:
     def recordings(self) -> Mapping[str, Recording]:
         """The runs as the sensors report them."""
         noise = np.random.default_rng(self.seed)
-        return {name: recorded(run.t, run.q, run.theta, run.tau, noise, name) for name, run in self.runs.items()}
+        return {name: bench_recording(run.t, run.q, run.theta, run.tau, noise, name) for name, run in self.runs.items()}
 
     def _controlled(self, corners: tuple[Corners, Corners]) -> Run:
-        wanted = motion(corners)
+        wanted = corner_motion(corners)
         law = PaperServo(wanted, feedforward(self.cases.arm(), wanted))
         duration = (len(wanted) - 1) / BENCH_RATE
         control = Controller(law, BENCH_RATE)
@@ -106,7 +106,7 @@ class PaperServo:
         return np.asarray(np.clip(torque, -LARGEST_ASKED_TORQUE, LARGEST_ASKED_TORQUE))
 
 
-def motion(corners: tuple[Corners, Corners]) -> Array:
+def corner_motion(corners: tuple[Corners, Corners]) -> Array:
     """A motion from corner to corner, with zero velocity and acceleration at each corner (samples, 2) [rad]."""
     t = np.arange(round(corners[0][-1][0] * BENCH_RATE) + 1) / BENCH_RATE
     columns = []
@@ -126,7 +126,9 @@ def feedforward(arm: eq.Arm, wanted: Array) -> Array:
     return np.asarray(links + arm.J * a)
 
 
-def recorded(t: ArrayLike, q: Array, theta: Array, tau: Array, noise: np.random.Generator, name: str = "") -> Recording:
+def bench_recording(
+    t: ArrayLike, q: Array, theta: Array, tau: Array, noise: np.random.Generator, name: str = ""
+) -> Recording:
     """A recording of both joints by encoders and torque sensors; q, theta and tau are (samples, 2) each."""
     channels = {}
     for j, joint in enumerate(("shoulder", "elbow")):

@@ -40,7 +40,7 @@ class Check:
     note: str
 
 
-def check(name: str, value: Any, bound: float, note: str) -> Check:
+def checked_statement(name: str, value: Any, bound: float, note: str) -> Check:
     """Measure a statement against its bound."""
     number = float(value)
     return Check(name, number, bound, number <= bound, note)
@@ -55,7 +55,7 @@ def stated(name: str, value: Any, **numbers: Any) -> Check:
         numbers: that its note names.
     """
     text = _statements()["checks"][name]
-    return check(text["name"], value, float(text["bound"]), text["note"].format(**numbers))
+    return checked_statement(text["name"], value, float(text["bound"]), text["note"].format(**numbers))
 
 
 @dataclass(frozen=True)

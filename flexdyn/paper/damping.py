@@ -11,7 +11,7 @@ from flexdyn.arrays import Array
 from flexdyn.paper import style
 from flexdyn.paper.cases import CASES_DURATION, DAMPINGS, TORQUE_END, PaperCases, bang_bang
 from flexdyn.paper.chapter import Chapter, figure, prose, stated
-from flexdyn.paper.vibration import Mode, Residual, amplitude, modes, pluck_rate, residual, slowest_rates
+from flexdyn.paper.vibration import Mode, Residual, amplitude, paper_modes, pluck_rate, residual, slowest_rates
 from flexdyn.simulation.run import Run
 
 ELBOW = np.pi / 2  # rad: the pose of Table I, at which modes are computed
@@ -46,7 +46,7 @@ def damping(cases: PaperCases) -> Chapter:
         | {
             "modes": [
                 {"frequency_hz": mode.frequency, "rate": mode.rate, "decrement": mode.decrement}
-                for mode in modes(cases.arm(v=v), ELBOW)
+                for mode in paper_modes(cases.arm(v=v), ELBOW)
             ]
         }
         for v in DAMPINGS
@@ -64,14 +64,14 @@ def damping(cases: PaperCases) -> Chapter:
 def _plucked(cases: PaperCases, v: float) -> list[tuple[float, float]]:
     """Measured and linearised decay rate [1/s] of each mode."""
     arm, model = cases.arm(v=v), cases.smooth_model(v)
-    return [(pluck_rate(arm, model, mode, ELBOW), mode.rate) for mode in modes(arm, ELBOW)]
+    return [(pluck_rate(arm, model, mode, ELBOW), mode.rate) for mode in paper_modes(arm, ELBOW)]
 
 
 def _damping_text(cases: PaperCases, found: Mapping[float, Residual], best: float, best_rate: float) -> str:
     """The prose of the chapter."""
 
     def both(v: float) -> dict[str, Mode]:
-        return dict(zip(("slow", "fast"), modes(cases.arm(v=v), ELBOW), strict=True))
+        return dict(zip(("slow", "fast"), paper_modes(cases.arm(v=v), ELBOW), strict=True))
 
     free = both(0.0)
     return prose(
@@ -128,10 +128,10 @@ def _draw_rates(
 
 def _rate_lines(cases: PaperCases) -> tuple[Array, Array]:
     """Rates of the slow and the fast vibration over the sweep, each followed from one damping to the next."""
-    slow, fast = (mode.eigenvalue for mode in modes(cases.arm(v=float(SWEEP[0])), ELBOW))
+    slow, fast = (mode.eigenvalue for mode in paper_modes(cases.arm(v=float(SWEEP[0])), ELBOW))
     rates = []
     for v in SWEEP:
-        one, other = (mode.eigenvalue for mode in modes(cases.arm(v=float(v)), ELBOW))
+        one, other = (mode.eigenvalue for mode in paper_modes(cases.arm(v=float(v)), ELBOW))
         if abs(other - slow) + abs(one - fast) < abs(one - slow) + abs(other - fast):
             one, other = other, one
         slow, fast = one, other

@@ -20,7 +20,7 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.paper.bench import LINK_STEP, MOTOR_STEP, TORQUE_NOISE, Bench
 from flexdyn.paper.cases import PaperCases
 from flexdyn.paper.chapter import Chapter, Check, figure, prose, stated
-from flexdyn.paper.hidden_friction_figure import Step, draw
+from flexdyn.paper.hidden_friction_figure import Step, draw_hidden_friction
 from flexdyn.records import Recording
 
 CHAPTER_TITLE = "Friction hidden, and found"
@@ -51,7 +51,9 @@ def hidden_friction(cases: PaperCases, folder: Path, progress: Progress | None =
     answer.save(folder)
     steps = gap_steps(given, answer, [data[name] for name in CHECKED])
     truth = hidden(cases.model)
-    picture = figure("hidden_friction", lambda canvas: draw(canvas, data["check_fig4"], given, answer.model, steps))
+    picture = figure(
+        "hidden_friction", lambda canvas: draw_hidden_friction(canvas, data["check_fig4"], given, answer.model, steps)
+    )
     return Chapter(
         CHAPTER_TITLE,
         _hidden_friction_text(truth, answer, steps),

@@ -31,7 +31,7 @@ class Step:
     gap: float
 
 
-def draw(
+def draw_hidden_friction(
     canvas: Any, measured: Recording, given: FlexibleJointModel, found: FlexibleJointModel, steps: Sequence[Step]
 ) -> None:
     """Draw it into an empty figure.

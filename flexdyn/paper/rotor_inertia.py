@@ -11,7 +11,7 @@ from flexdyn.paper import style
 from flexdyn.paper.cases import PaperCases, bang_bang
 from flexdyn.paper.chapter import Chapter, figure, prose, stated
 from flexdyn.paper.damping import ELBOW, SWEEP
-from flexdyn.paper.vibration import Residual, modes, residual, ringing_after, slowest_rates
+from flexdyn.paper.vibration import Residual, paper_modes, residual, ringing_after, slowest_rates
 
 INERTIAS = (0.01, 0.1, 1.0)  # kg m^2, reflected
 COMPARED_DAMPINGS = (0.01, 0.1, 0.5)  # N m s/rad
@@ -61,7 +61,7 @@ def _row(cases: PaperCases, J: float) -> Row:
     ratio = ringing_after(bang_bang(free.rigid())) / ringing_after(bang_bang(free))
     found = {v: residual(cases.arm(v=v, J=J), bang_bang(cases.viscous_model(v, J))) for v in COMPARED_DAMPINGS}
     rates = slowest_rates(cases.arm(J=J), SWEEP, ELBOW)
-    frequencies = tuple(mode.frequency for mode in modes(cases.arm(J=J), ELBOW))
+    frequencies = tuple(mode.frequency for mode in paper_modes(cases.arm(J=J), ELBOW))
     return Row(J, frequencies, ratio, found, float(SWEEP[int(np.argmax(rates))]))
 
 

@@ -55,7 +55,7 @@ class PaperStudy:
         return all(check.passed for check in self.checks)
 
 
-def run_study(out: Path, *, diagnose: bool = False, progress: Callable[[str], None] | None = None) -> PaperStudy:
+def run_paper_study(out: Path, *, diagnose: bool = False, progress: Callable[[str], None] | None = None) -> PaperStudy:
     """Reproduce the paper's study on the shipped ``scara_two_link``.
 
     Writes into `out`, each file completely or not at all: figures as PNG (300 dpi) and PDF, ``summary.md``,
@@ -86,7 +86,7 @@ def run_study(out: Path, *, diagnose: bool = False, progress: Callable[[str], No
         chapters.append(chapter)
         files += chapter.files
         for figure in chapter.figures:
-            files += style.save(figure, out)
+            files += style.save_figure(figure, out)
         for name, run in chapter.runs.items():
             files.append(out / "runs" / f"{name}.npz")
             run.save(files[-1])

@@ -31,7 +31,7 @@ def require_matplotlib() -> Any:
     return matplotlib
 
 
-def save(figure: Figure, folder: Path) -> list[Path]:
+def save_figure(figure: Figure, folder: Path) -> list[Path]:
     """Draw a figure once and write it as PNG at 300 dpi and as PDF, each file completely or not at all."""
     matplotlib = require_matplotlib()
     paths = []

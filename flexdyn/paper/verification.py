@@ -35,7 +35,7 @@ def random_states() -> tuple[Array, Array, Array]:
     return rng.uniform(-np.pi, np.pi, shape), rng.uniform(-3.0, 3.0, shape), rng.uniform(-5.0, 5.0, shape)
 
 
-def relative(got: Array, true: Array) -> float:
+def largest_relative_error(got: Array, true: Array) -> float:
     """Largest error over the states, relative to the largest entry of each state."""
     axes = tuple(range(1, true.ndim))
     return float((np.abs(got - true).max(axes) / np.abs(true).max(axes)).max())
@@ -63,9 +63,9 @@ def _dynamics(cases: PaperCases) -> list[Check]:
     q, v, torque = random_states()
     D, c, a = eq.mass_matrix(arm, q), eq.coriolis(arm, q, v), eq.link_acceleration(arm, q, v, torque)
     return [
-        stated("mass_matrix", relative(links.mass_matrix(q), D), states=STATES),
-        stated("coriolis", relative(links.bias(q, v), c), states=STATES),
-        stated("accelerations", relative(links.acceleration(q, v, torque), a), states=STATES),
+        stated("mass_matrix", largest_relative_error(links.mass_matrix(q), D), states=STATES),
+        stated("coriolis", largest_relative_error(links.bias(q, v), c), states=STATES),
+        stated("accelerations", largest_relative_error(links.acceleration(q, v, torque), a), states=STATES),
     ]
 
 
@@ -81,9 +81,9 @@ def _kinematics(cases: PaperCases) -> list[Check]:
     place = np.abs(frame_positions(robot, q)[:, :2] - eq.tip(arm, q)).max()
     measured, given = tip_acceleration(arm, q, v, np.random.default_rng(SEED + 1).uniform(-5.0, 5.0, q.shape))
     return [
-        stated("jacobian", relative(eq.jacobian(arm, q), jacobians), states=STATES),
+        stated("jacobian", largest_relative_error(eq.jacobian(arm, q), jacobians), states=STATES),
         stated("tip_position", place, states=STATES),
-        stated("tip_acceleration", relative(given, measured), states=STATES),
+        stated("tip_acceleration", largest_relative_error(given, measured), states=STATES),
     ]
 
 

@@ -110,7 +110,7 @@ class Mode:
         return self.rate / self.frequency
 
 
-def modes(arm: Arm, q2: float) -> list[Mode]:
+def paper_modes(arm: Arm, q2: float) -> list[Mode]:
     """The vibrations of eq. 12-15 linearised at rest at an elbow angle [rad], slowest first.
 
     Motions that do not oscillate are left out: the arm as a whole, and joints with so much damping that they creep.
@@ -150,4 +150,4 @@ def pluck_rate(arm: Arm, model: FlexibleJointModel, mode: Mode, q2: float) -> fl
 
 def slowest_rates(arm: Arm, dampings: Array, q2: float) -> Array:
     """Rate [1/s] of the vibration that decays slowest, over the damping v of both joints [N m s/rad]."""
-    return np.array([min(mode.rate for mode in modes(replace(arm, v=float(v)), q2)) for v in dampings])
+    return np.array([min(mode.rate for mode in paper_modes(replace(arm, v=float(v)), q2)) for v in dampings])

@@ -43,7 +43,7 @@ def deflection(axes: Any, effect: DeflectionEffect) -> tuple[str, str]:
     lengths = [getattr(effect, field.name) for field in effect.parameters() if field.metadata["unit"] == "rad"]
     reach = 3.0 * max(lengths, default=DEFLECTION)
     delta = np.linspace(-reach, reach, 1201)
-    page.beside(axes, delta, "without", effect.deflection(delta), "with it")
+    page.against_identity(axes, delta, "without", effect.deflection(delta), "with it")
     return r"$\delta = \theta - q$ [rad]", "deflection that the spring sees [rad]"
 
 
@@ -78,7 +78,7 @@ def actuator(axes: Any, effect: JointEffect) -> tuple[str, str]:
         return r"rotor position $\theta$ [rad]", up
     page.cross(axes)
     tau = np.linspace(ASKED[0], ASKED[-1], 801)
-    page.beside(axes, tau, "without", effect.torque(0.0, 0.0, tau=tau), "with it")
+    page.against_identity(axes, tau, "without", effect.torque(0.0, 0.0, tau=tau), "with it")
     return r"commanded torque $\tau$ [N m]", up
 
 
@@ -103,7 +103,7 @@ def delayed_command(axes: Any, effect: JointEffect) -> tuple[str, str]:
     return "time $t$ [s]", "motor torque [N m]"
 
 
-def measured(axes: Any, effect: SensorEffect) -> tuple[str, str]:
+def sensor_curve(axes: Any, effect: SensorEffect) -> tuple[str, str]:
     """Measured over true value; only the error if it is too small to see; over time for a delay."""
     if effect.late_by:
         return _late(axes, effect)
@@ -115,7 +115,7 @@ def measured(axes: Any, effect: SensorEffect) -> tuple[str, str]:
     if np.abs(reported - true).max() < VISIBLE * reach:
         page.line(axes, true, reported - true)
         return "true position [rad]", "measured - true [rad]"
-    page.beside(axes, true, "true", reported, "measured")
+    page.against_identity(axes, true, "true", reported, "measured")
     return "true position [rad]", "measured position [rad]"
 
 

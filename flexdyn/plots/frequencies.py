@@ -9,7 +9,7 @@ import numpy as np
 
 from flexdyn.analysis.path import PathFrequencies
 from flexdyn.errors import InputError
-from flexdyn.plots.page import BLUE, GREY, checked_path, dress, line, new_figure, save
+from flexdyn.plots.page import BLUE, GREY, checked_path, dress, line, new_figure, save_picture
 
 LOGARITHMIC_SPAN = 12.0
 """A larger ratio of frequencies is drawn on a logarithmic axis [1]."""
@@ -58,7 +58,7 @@ def draw_frequencies(found: PathFrequencies, path: str | Path) -> None:
     many = f"{len(found.q)} poses" if len(found.q) > 1 else "one pose"
     under = f"{many} of {', '.join(found.joint_names)}; rotors {found.rotors}"
     figure.text(0.13, 0.885, under, fontsize=min(8.5, 640 / len(under)), color=GREY)
-    save(figure, file)
+    save_picture(figure, file)
 
 
 def _name(axes: Any, ends: dict[int, float], shades: dict[int, Any]) -> None:

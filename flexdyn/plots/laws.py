@@ -10,7 +10,7 @@ from typing import Any
 from flexdyn.effects import DeflectionEffect, Effect, JointEffect, MemoryEffect, SensorEffect
 from flexdyn.errors import InputError
 from flexdyn.plots import arm_curves, drive_curves, friction_curves
-from flexdyn.plots.page import GREY, checked_path, dress, new_figure, save
+from flexdyn.plots.page import GREY, checked_path, dress, new_figure, save_picture
 
 Labels = tuple[str, str]
 Drawing = Callable[[Any, Any], Labels]
@@ -18,7 +18,7 @@ Drawing = Callable[[Any, Any], Labels]
 _BY_KIND: tuple[tuple[type[Effect], Drawing], ...] = (
     (MemoryEffect, friction_curves.loop),
     (DeflectionEffect, drive_curves.deflection),
-    (SensorEffect, drive_curves.measured),
+    (SensorEffect, drive_curves.sensor_curve),
 )
 _BY_STAGE: dict[str, Drawing] = {
     "friction": friction_curves.smooth,
@@ -50,7 +50,7 @@ def draw_law(kind: type[Effect], path: str | Path) -> None:
     effect = kind.example()
     figure = law_figure(effect)
     _write_head(figure, effect)
-    save(figure, file)
+    save_picture(figure, file)
 
 
 def law_figure(effect: Effect) -> Any:

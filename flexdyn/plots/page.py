@@ -64,7 +64,7 @@ def line(axes: Any, x: Any, y: Any, color: str | tuple[float, ...] = BLUE, **loo
     axes.plot(x, y, color=color, linewidth=LAW_LINE_WIDTH, **look)
 
 
-def beside(axes: Any, x: Any, plain: str, law: Any, label: str) -> None:
+def against_identity(axes: Any, x: Any, plain: str, law: Any, label: str) -> None:
     """A law beside y = x, which is dashed, with a legend of both."""
     axes.plot(x, x, color=GREY, linewidth=1.0, linestyle=GUIDE_DASHES, label=plain)
     line(axes, x, law, label=label)
@@ -91,7 +91,7 @@ def legend_above(axes: Any, columns: int) -> None:
     axes.set_position((0.13, 0.13, 0.83, 0.63))
 
 
-def save(figure: Any, file: Path) -> None:
+def save_picture(figure: Any, file: Path) -> None:
     """Write the picture completely or not at all."""
     with replacing(file) as fresh:
         figure.savefig(fresh, format=file.suffix.lower()[1:], dpi=200)

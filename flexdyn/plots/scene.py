@@ -12,7 +12,7 @@ import numpy as np
 from flexdyn.arrays import Indices
 from flexdyn.checks import check_known
 from flexdyn.comparison.difference import common_rows
-from flexdyn.comparison.motion_sources import MotionSource, as_sources, unit_in, windowed
+from flexdyn.comparison.motion_sources import MotionSource, as_sources, samples_in_window, unit_in
 from flexdyn.errors import InputError
 from flexdyn.plots.palette import hue, shade
 from flexdyn.plots.panel import Curve, Key, check_times, short
@@ -69,7 +69,7 @@ class PlotScene:
     @cached_property
     def rows(self) -> tuple[Indices, ...]:
         """Samples of each motion in the window."""
-        return tuple(windowed(source, self.start, self.end) for source in self.sources)
+        return tuple(samples_in_window(source, self.start, self.end) for source in self.sources)
 
     @cached_property
     def span(self) -> tuple[float, float]:

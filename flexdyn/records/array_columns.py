@@ -35,6 +35,10 @@ class RequestedColumn:
     def check(self, dtype: np.dtype[Any], shape: tuple[int, ...]) -> None:
         """Refuse an array that has no such column, before any of it is read.
 
+        Args:
+            dtype: of the array.
+            shape: of the array.
+
         Raises:
             InputError: naming the column and how to write it.
         """

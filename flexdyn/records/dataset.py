@@ -41,7 +41,7 @@ def to_dataset(rec: Recording) -> Any:
     Raises:
         MissingExtra: xarray is not installed.
     """
-    xarray = library()
+    xarray = xarray_library()
     joints = list(rec.joints)
     prismatic = np.array(
         [any(rec.unit(f"{s}.{j}") != SIGNALS[s] for s in rec.signals if rec.has(s, j)) for j in joints], bool
@@ -80,7 +80,7 @@ def table_of(dataset: Any) -> Table:
         InputError: no dataset, no numeric coordinate ``t``, variables of other dimensions or types.
         MissingExtra: xarray is not installed.
     """
-    if not isinstance(dataset, library().Dataset):
+    if not isinstance(dataset, xarray_library().Dataset):
         raise InputError("not a dataset", key="dataset", value=type(dataset).__name__, remedy="give an xarray.Dataset")
     if "t" not in dataset.coords or dataset.coords["t"].dims != ("t",):
         remedy = "give a coordinate t in seconds, such as ds.rename(time='t')"
@@ -97,7 +97,7 @@ def table_of(dataset: Any) -> Table:
     return table
 
 
-def library() -> Any:
+def xarray_library() -> Any:
     """The module xarray."""
     with needed("xarray", "xarray"):
         import xarray

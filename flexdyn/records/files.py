@@ -27,7 +27,7 @@ from flexdyn.records.repairs import repaired, repairs_of
 from flexdyn.records.request import Request
 from flexdyn.records.ros import read as read_bag
 from flexdyn.records.ros import write as write_bag
-from flexdyn.records.signals.gaps import told
+from flexdyn.records.signals.gaps import gaps_text
 from flexdyn.records.suggestion import asked_back
 from flexdyn.records.table import Table
 
@@ -139,7 +139,7 @@ def _read(path: Path, map: Any, repair: Any, name: str | None, progress: Any) ->
 
 def _doubts(rec: Recording) -> Iterator[str]:
     """Gaps in time, and names that are no signals although they are similar."""
-    if gaps := told(rec.t):
+    if gaps := gaps_text(rec.t):
         yield gaps
     if question := asked_back(rec.channels):
         yield f"no channel is a signal of a joint: {question}"

@@ -32,6 +32,10 @@ def as_recording(given: Any, key: str | None = None, *, signals: bool = False) -
 def as_recordings(given: Any, key: str = "recordings") -> tuple[Recording, ...]:
     """Convert one or several objects that `as_recording` accepts; they must have signals of joints.
 
+    Args:
+        given: one object or a sequence.
+        key: for the message.
+
     Raises:
         InputError: likewise.
     """

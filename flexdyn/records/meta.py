@@ -43,7 +43,11 @@ def locked(meta: Mapping[str, Any] | None) -> Mapping[str, Any]:
 
 
 def as_json(meta: Mapping[str, Any]) -> str:
-    """JSON text, in ASCII, of data that `locked` accepts or returns."""
+    """JSON text, in ASCII, of data that `locked` accepts or returns.
+
+    Raises:
+        InputError: it is longer than 16 MiB.
+    """
     text = json.dumps(meta, default=_plain_value, allow_nan=False)
     if len(text) > _LONGEST_META:
         raise InputError("meta is longer than 16 MiB", key="meta", remedy="keep long data in channels")

@@ -24,7 +24,12 @@ _READERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.r
 
 
 def write(rec: Recording, path: Path) -> None:
-    """Write uncompressed arrays in order; the same recording gives the same bytes."""
+    """Write uncompressed arrays in order; the same recording gives the same bytes.
+
+    Args:
+        rec: the recording.
+        path: of the new file.
+    """
     arrays = {"t": rec.t, **rec.channels}
     if rec.meta:
         arrays[RESERVED] = np.array(as_json(rec.meta))
@@ -37,6 +42,10 @@ def write(rec: Recording, path: Path) -> None:
 
 def read(path: Path, request: Request) -> Table:
     """Read arrays after checking their headers; a map may use ``q[:,0]``, a column of an array.
+
+    Args:
+        path: of the file.
+        request: what is wanted, and how the file is laid out.
 
     Raises:
         InputError: not an NPZ file, truncated, objects inside, or impossible sizes.
@@ -75,6 +84,7 @@ def _check_directory(path: Path) -> None:
 
 
 def _name_of(member: zipfile.ZipInfo, *, by_convention: bool) -> str:
+    """Name of an array without its ending; other members of the archive are refused."""
     name = member.filename.removesuffix(".npy")
     if name == member.filename or member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         remedy = "write it with numpy.savez"

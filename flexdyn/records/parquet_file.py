@@ -24,7 +24,12 @@ _PANDAS_LABELS = "__index_level_"
 
 
 def write(rec: Recording, path: Path) -> None:
-    """Write row groups of a million samples, each page with its checksum."""
+    """Write row groups of a million samples, each page with its checksum.
+
+    Args:
+        rec: the recording.
+        path: of the new file.
+    """
     pa, pq = _pyarrow()
     columns = {"t": rec.t, **rec.channels}
     fields = [pa.field(name, pa.float64(), nullable=False, metadata={"units": rec.unit(name)}) for name in columns]
@@ -40,6 +45,10 @@ def read(path: Path, request: Request) -> Table:
     """Read column by column and row group by row group; memory holds the numbers once, and a row group of one column.
 
     Labels of rows from pandas (``__index_level_0__``) are left out unless requested.
+
+    Args:
+        path: of the file.
+        request: what is wanted, and how the file is laid out.
 
     Raises:
         InputError: not a Parquet file, truncated, types other than numbers, missing values, impossible sizes.

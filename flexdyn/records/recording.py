@@ -19,7 +19,7 @@ from flexdyn.records.signals.beside import beside
 from flexdyn.records.signals.decimate import decimated
 from flexdyn.records.signals.gaps import gaps_of
 from flexdyn.records.signals.resample import resampled
-from flexdyn.records.summary import as_card, one_line
+from flexdyn.records.summary import as_card, extent_line
 from flexdyn.records.table import Rows, Table, checked
 from flexdyn.records.units import split_name, unit_of
 
@@ -91,6 +91,7 @@ class Recording(Public):
     def _fill(
         self, columns: Mapping[str, npt.ArrayLike], meta: Mapping[str, Any] | None, name: str, rows: Rows, *, copy: bool
     ) -> None:
+        """Check columns and meta data, and store them read-only."""
         t, channels = checked(columns, rows, copy=copy)
         known = locked(meta)
         check_units(known.get("units", {}), channels)
@@ -259,7 +260,7 @@ class Recording(Public):
     trim = cut.trimmed
     split = cut.split
     shifted = cut.shifted
-    smoothed = derivatives.smoothed
+    smoothed = derivatives.smoothed_channels
     noise = derivatives.noise_of
 
     def beside(self, *others: Recording, method: str = "linear") -> Recording:
@@ -286,7 +287,7 @@ class Recording(Public):
 
     def __repr__(self) -> str:
         """Joints, signals, duration and rate in one line."""
-        return one_line(self)
+        return extent_line(self)
 
     def _repr_html_(self) -> str:
         """HTML for notebooks: extent, gaps, and the range of each channel."""

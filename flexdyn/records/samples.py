@@ -26,7 +26,12 @@ def side_by_side(rec: Recording, signal: str, joints: Sequence[str]) -> Array:
 
 
 def same_samples(one: Recording, other: Recording) -> bool:
-    """Whether times and channels are the same, bit for bit and in order."""
+    """Whether times and channels are the same, bit for bit and in order.
+
+    Args:
+        one: a recording.
+        other: another.
+    """
     if tuple(one.channels) != tuple(other.channels) or len(one) != len(other):
         return False
     pairs = [(one.t, other.t), *((one.channels[name], other.channels[name]) for name in one.channels)]

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexdyn.errors import listed
-from flexdyn.io.notebook import card, table
+from flexdyn.io.notebook import card, html_table
 
 if TYPE_CHECKING:
     from flexdyn.records.recording import Recording
 
 
-def one_line(rec: Recording) -> str:
+def extent_line(rec: Recording) -> str:
     """Joints, signals, duration and rate."""
     label = f"{rec.name!r}, " if rec.name else ""
     joints, signals = (listed(names, 12) or "none" for names in (rec.joints, rec.signals))
@@ -32,4 +32,4 @@ def as_card(rec: Recording) -> str:
     notes = rec.meta.get("notes", ())
     heads = ("channel", "unit", "least", "greatest", "standard deviation")
     label = f" {rec.name}" if rec.name else ""
-    return card(f"Recording{label}", facts, table(heads, rows), notes=notes if isinstance(notes, tuple) else ())
+    return card(f"Recording{label}", facts, html_table(heads, rows), notes=notes if isinstance(notes, tuple) else ())

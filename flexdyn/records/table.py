@@ -71,7 +71,11 @@ class Table:
     said: list[str] = field(default_factory=list)
 
     def add(self, name: str, values: npt.NDArray[Any]) -> None:
-        """Append a column; a name that exists already, or a column beyond the limits of a file, is refused."""
+        """Append a column; a name that exists already, or a column beyond the limits of a file, is refused.
+
+        Raises:
+            InputError: such a column.
+        """
         check_new(name, self.columns)
         check_count(len(self.columns) + 1)
         if values.size > MOST_SAMPLES:
@@ -162,6 +166,11 @@ def as_floats(values: npt.ArrayLike, channel: str, *, copy: bool) -> Array:
 def check_numbers(dtype: np.dtype[Any], shape: tuple[int, ...], channel: str) -> None:
     """Refuse a column that is not one-dimensional with real numbers, before it is read.
 
+    Args:
+        dtype: of its numbers.
+        shape: of the column.
+        channel: its name.
+
     Raises:
         InputError: objects, text, complex or extended numbers, or not one dimension.
     """
@@ -220,6 +229,11 @@ def check_lengths(columns: Mapping[str, Array], rows: Rows) -> None:
 def check_finite(values: Array, channel: str, rows: Rows) -> None:
     """Refuse a column with a number that is not finite.
 
+    Args:
+        values: of the column.
+        channel: its name.
+        rows: how the file counts them.
+
     Raises:
         InputError: the message names the first such row and possible repairs.
     """
@@ -233,6 +247,10 @@ def check_finite(values: Array, channel: str, rows: Rows) -> None:
 
 def check_time(t: Array, rows: Rows) -> None:
     """Refuse times that do not increase strictly.
+
+    Args:
+        t: times [s].
+        rows: how the file counts them.
 
     Raises:
         InputError: the message names the row and a possible repair.
@@ -255,6 +273,12 @@ def damage_named(what: str) -> Iterator[None]:
     """Convert any exception of a file library for a damaged file to one line.
 
     The libraries do not specify their exceptions for hostile bytes, so every kind is caught; keep the block small.
+
+    Args:
+        what: in a few words, for the message.
+
+    Raises:
+        InputError: the library found damage.
     """
     try:
         yield

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from flexdyn.errors import did_you_mean
-from flexdyn.robot.values import fail, name_of, number, numbers, pose_of
+from flexdyn.robot.values import attribute_number, fail, name_of, numbers, pose_of
 
 MOVING = ("revolute", "continuous", "prismatic")
 _KINDS = (*MOVING, "fixed", "floating", "planar")
@@ -94,7 +94,7 @@ def _urdf_limits(element: Any, key: str, kind: str) -> tuple[float, float, float
     if found is None or kind == "fixed":
         return -math.inf, math.inf, math.inf, math.inf
     read = [
-        number(found, name, f"{key}/limit/{name}", default, finite=False)
+        attribute_number(found, name, f"{key}/limit/{name}", default, finite=False)
         for name, default in (("lower", 0.0), ("upper", 0.0), ("velocity", math.inf), ("effort", math.inf))
     ]
     lower, upper, velocity, effort = read
@@ -112,7 +112,7 @@ def _dynamics(element: Any, key: str) -> tuple[float, float]:
     found = element.find("dynamics")
     if found is None:
         return 0.0, 0.0
-    read = [number(found, name, f"{key}/dynamics/{name}", 0.0) for name in ("damping", "friction")]
+    read = [attribute_number(found, name, f"{key}/dynamics/{name}", 0.0) for name in ("damping", "friction")]
     for name, value in zip(("damping", "friction"), read, strict=True):
         if value < 0.0:
             raise fail(found, f"{key}/dynamics/{name}", f"negative {name}", value, "friction opposes motion: 0 or more")
@@ -126,5 +126,5 @@ def _mimic(element: Any, key: str) -> tuple[str, float, float] | None:
     leader = str(found.get("joint") or "").strip()
     if not leader:
         raise fail(found, f"{key}/mimic", "names no joint", remedy='write <mimic joint="..."/>')
-    multiplier = number(found, "multiplier", f"{key}/mimic/multiplier", 1.0)
-    return leader, multiplier, number(found, "offset", f"{key}/mimic/offset", 0.0)
+    multiplier = attribute_number(found, "multiplier", f"{key}/mimic/multiplier", 1.0)
+    return leader, multiplier, attribute_number(found, "offset", f"{key}/mimic/offset", 0.0)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from flexdyn.robot.values import fail, name_of, number, numbers, pose_of
+from flexdyn.robot.values import attribute_number, fail, name_of, numbers, pose_of
 
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 SHAPE_GREY = (0.7, 0.7, 0.7, 1.0)
@@ -151,10 +151,10 @@ def _inertial(element: Any, key: str) -> Inertial:
         raise fail(element, key, "has no <mass>", remedy='add <mass value="..."/> in kg')
     if inertia is None:
         raise fail(element, key, "has no <inertia>", remedy="add <inertia ixx= ixy= ixz= iyy= iyz= izz=/> in kg m^2")
-    mass = number(mass_element, "value", f"{key}/mass")
+    mass = attribute_number(mass_element, "value", f"{key}/mass")
     if mass < 0.0:
         raise fail(mass_element, f"{key}/mass", "negative mass", mass, "give the mass in kg, 0 or more")
-    xx, xy, xz, yy, yz, zz = (number(inertia, name, f"{key}/inertia/{name}") for name in MOMENTS)
+    xx, xy, xz, yy, yz, zz = (attribute_number(inertia, name, f"{key}/inertia/{name}") for name in MOMENTS)
     principal = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
     # Published robots have tiny links whose rounded moments are negative by less than this.
     if principal[0] < -1e-6 * max(1.0, abs(principal[2])):

@@ -128,7 +128,7 @@ class Robot(Locked, Public):
         leaves = [j for j in range(m) if j not in self.tree.parent]
         ends = listed((f"'{last_frame(self._model, j)}'" for j in leaves), 6)
         remedy = f"name the frame, for example one of {ends}"
-        raise InputError(f"robot {self.name} is branched and has no one end", key="frame", remedy=remedy)
+        raise InputError(f"robot {self.name} is branched and has several ends", key="frame", remedy=remedy)
 
     def joint_index(self, joint: str | int) -> int:
         """Index of an independent joint in q.

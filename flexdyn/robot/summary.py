@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexdyn.io.notebook import card, table
+from flexdyn.io.notebook import card, html_table
 
 if TYPE_CHECKING:
     from flexdyn.robot.robot import Robot
@@ -15,7 +15,7 @@ def as_card(robot: Robot) -> str:
     mass = sum(inertia.mass for inertia in robot.pin_model.inertias[1:])
     facts = {"source": robot.source or "a pin.Model", "moving mass": f"{mass:.4g} kg"}
     rows = limit_rows(robot)
-    return card(f"Robot {robot.name}", facts, table(("joint", "type", "range", "speed", "effort"), rows))
+    return card(f"Robot {robot.name}", facts, html_table(("joint", "type", "range", "speed", "effort"), rows))
 
 
 def limit_rows(robot: Robot) -> list[tuple[str, str, str, str, str]]:

@@ -78,7 +78,9 @@ def numbers(
     return values
 
 
-def number(element: Any, attribute: str, key: str, default: float | None = None, *, finite: bool = True) -> float:
+def attribute_number(
+    element: Any, attribute: str, key: str, default: float | None = None, *, finite: bool = True
+) -> float:
     """The single number of an attribute; arguments and errors as in numbers()."""
     return numbers(element, attribute, key, 1, None if default is None else (default,), finite=finite)[0]
 

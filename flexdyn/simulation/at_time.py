@@ -28,6 +28,7 @@ def _moved(effect: Effect, begin: float) -> Effect:
     law = effect.torque
 
     def torque(x: float, u: float, *, t: float, tau: float) -> Any:
+        """The law at the shifted time; NaN where it fails."""
         try:
             return law(x, u, t=t + begin, tau=tau)
         except Exception:  # a user's code may raise anything, far from the data: the run has failed

@@ -160,6 +160,13 @@ def measured_state(recording: Recording, model: FlexibleJointModel) -> dict[str,
     """The first measured state; for a joint with one encoder, q and theta start with the same value.
 
     A rigid joint has one position: q, or theta where only that was measured.
+
+    Args:
+        recording: whose first samples are taken.
+        model: of the arm.
+
+    Returns:
+        ``initial`` of a model: values by signal and joint.
     """
     initial: dict[str, dict[str, float]] = {"q": {}, "theta": {}, "v": {}, "omega": {}}
     for name, joint in model.joints.items():
@@ -283,6 +290,8 @@ def _signal(samples: Samples, joint_names: Sequence[str]) -> _core.Signal:
 
 
 def _controller_call(controller: Controller) -> Any:
+    """What the core calls: a controller with plain arrays."""
+
     def call(t: float, q: Array, v: Array, theta: Array, omega: Array) -> Array:
         tau = np.atleast_1d(np.asarray(controller.law(t, State(q, v, theta, omega)), dtype=float))
         if tau.shape != q.shape or not np.isfinite(tau).all():

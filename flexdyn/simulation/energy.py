@@ -141,6 +141,9 @@ class Energy(StoredEnergy, Public):
 def ledger(run: Run) -> Energy:
     """Compute the energy ledger of a run: its motion is integrated once more, together with every power.
 
+    Raises:
+        SimulationError: the motion cannot be integrated again.
+
     Warns:
         EnergyWarning: it does not close.
     """

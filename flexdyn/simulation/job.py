@@ -152,7 +152,14 @@ def prepare(
 
 
 def played(drive: Drive, report: Mapping[str, Any], n: int, duration: float) -> Samples | None:
-    """The torques of a run over time: the command's own samples, or those that a controller commanded at its ticks."""
+    """The torques of a run over time: the command's own samples, or those that a controller commanded at its ticks.
+
+    Args:
+        drive: how the run was driven.
+        report: of the core.
+        n: number of joints.
+        duration: of the run [s].
+    """
     ticks = np.array(report["tick_times"])
     if not len(ticks):
         return drive.samples

@@ -76,6 +76,8 @@ def _check_stage(effect: JointEffect) -> None:
 
 
 def _law_call(effect: JointEffect) -> Any:
+    """What the core calls: a law in Python with plain numbers."""
+
     def call(t: float, x: float, u: float, tau: float) -> float:
         return float(effect.torque(x, u, t=t, tau=tau))
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from flexdyn.checks import Array, number
 from flexdyn.effects import Effect, EndStop, TorqueSpeedLimit
+from flexdyn.effects.traits import Limit
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot import Robot
@@ -149,7 +150,8 @@ def enforce_limits(
     M = LinkSide(model).mass_matrix(first_positions(model))
 
     def stop(joint: str, limits: tuple[float, float], fastest: float, inertia: float) -> None:
-        if _has(model, EndStop, joint):
+        """Add an end stop, unless the joint has one."""
+        if _keeps_to(model, "range", joint):
             return
         K = (fastest / TRAVEL) ** 2 * inertia if stiffness is None else stiffness
         D = 2.0 * STOP_DAMPING_RATIO * math.sqrt(K * inertia) if damping is None else damping
@@ -164,11 +166,11 @@ def enforce_limits(
         if any(map(math.isfinite, limits)):
             stop(joint, limits, _fastest(model.robot, j), float(M[j, j]))
         effort = float(model.robot.effort_limit[j])
-        if 0.0 < effort < math.inf and not _has(model, TorqueSpeedLimit, joint):
+        if 0.0 < effort < math.inf and not _keeps_to(model, "effort", joint):
             speed = NO_LINE * max(1.0, _fastest(model.robot, j))
             added.append(TorqueSpeedLimit(joint, side="motor", stall_torque=effort, no_load_speed=speed))
     if not added and not model.effects:
-        remedy = "write <limit lower upper velocity effort> into it, or add end_stop and torque_speed_limit"
+        remedy = f"write <limit lower upper velocity effort> into it, or add {EndStop.name} and {TorqueSpeedLimit.name}"
         raise InputError("the robot states no limit", key="limits", value=model.name, remedy=remedy)
     return model.replace(effects=[*model.effects, *added])
 
@@ -178,5 +180,6 @@ def _fastest(robot: Robot, j: int) -> float:
     return limit if 0.0 < limit < math.inf else 1.0
 
 
-def _has(model: FlexibleJointModel, kind: type[Effect], joint: str) -> bool:
-    return any(isinstance(effect, kind) and getattr(effect, "joint", None) == joint for effect in model.effects)
+def _keeps_to(model: FlexibleJointModel, limit: Limit, joint: str) -> bool:
+    """Whether an effect of the model keeps a joint to a limit already."""
+    return any(effect.keeps_to == limit and getattr(effect, "joint", None) == joint for effect in model.effects)

@@ -88,7 +88,12 @@ class LinkSide:
         return self._filled(self._links.acceleration, q, v, tau)
 
     def energy(self, q: ArrayLike, v: ArrayLike) -> tuple[Array, Array]:
-        """Kinetic and gravitational energy (...,) [J]; the kinetic one includes the rotors of rigid joints."""
+        """Kinetic and gravitational energy (...,) [J]; the kinetic one includes the rotors of rigid joints.
+
+        Args:
+            q: link positions (..., n) [rad or m].
+            v: their velocities (..., n).
+        """
         q_, v_ = self._columns(q, v)
         kinetic, potential = np.empty(q_.shape[:-1]), np.empty(q_.shape[:-1])
         self._links.energy(q_, v_, kinetic, potential)
@@ -103,7 +108,7 @@ class LinkSide:
     def _columns(self, *arrays: ArrayLike) -> list[Array]:
         columns = np.broadcast_arrays(*(np.asarray(array, dtype=float) for array in arrays))
         if columns[0].shape[-1:] != (self.n,):
-            raise InputError(f"{self.n} columns are needed, one a joint", key="q", value=columns[0].shape)
+            raise InputError(f"{self.n} columns are needed, one for each joint", key="q", value=columns[0].shape)
         return [np.ascontiguousarray(column) for column in columns]
 
 

@@ -14,7 +14,7 @@ from flexdyn.arrays import Array
 from flexdyn.effects.channels import by_channel, measure
 from flexdyn.errors import visible
 from flexdyn.io.locked import Locked
-from flexdyn.io.notebook import Public, card, table
+from flexdyn.io.notebook import Public, card, html_table
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
 from flexdyn.records.units import signal_unit
@@ -87,7 +87,7 @@ class Run(Locked, Public):
         solver = f"{type(self.solver).__name__}, {steps}"
         facts = {"time": f"{self.t[-1]:g} s, {len(self.t)} samples", "solver": solver}
         heads = ("joint", "first q", "last q", "largest v", "deflection", "tau", "tau_s")
-        return card(f"Run of {self.model.name}", facts, table(heads, rows), notes=self.notes)
+        return card(f"Run of {self.model.name}", facts, html_table(heads, rows), notes=self.notes)
 
     @property
     def joint_names(self) -> tuple[str, ...]:

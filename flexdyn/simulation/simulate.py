@@ -149,7 +149,7 @@ def _spread(given: Mapping[str, Any]) -> list[dict[str, Any]]:
     lengths = {len(value) for value in lists.values()}
     if len(lengths) != 1:
         found = {key: len(value) for key, value in lists.items()}
-        remedy = "give lists of one length, one entry a run"
+        remedy = "give lists of the same length, with an entry for each run"
         raise InputError("how many runs is not clear", key="simulate_many", value=found, remedy=remedy)
     (count,) = lengths
     return [{key: value[i] if key in lists else value for key, value in given.items()} for i in range(count)]

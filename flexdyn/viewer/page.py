@@ -16,7 +16,7 @@ from flexdyn.arrays import Array
 from flexdyn.io import html
 
 
-def page(title: str, about: Mapping[str, Any], commands: Iterable[Mapping[str, Any]]) -> str:
+def viewer_page(title: str, about: Mapping[str, Any], commands: Iterable[Mapping[str, Any]]) -> str:
     """The page.
 
     Names from any source are safe in it: texts are JSON and inserted as text, and the browser runs only the two scripts
@@ -33,10 +33,10 @@ def page(title: str, about: Mapping[str, Any], commands: Iterable[Mapping[str, A
     library = Path(meshcat.viewer_assets_path(), "dist", "main.min.js").read_text(encoding="utf-8")
     library = library.replace("</script", "<\\/script")
     script = Path(__file__).with_name("page.js").read_text(encoding="utf-8")
-    return html.page("viewer/page.html", title, scripts=(library, script), about=about, scene=packed(commands))
+    return html.page("viewer/page.html", title, scripts=(library, script), about=about, scene=packed_commands(commands))
 
 
-def packed(commands: Iterable[Mapping[str, Any]]) -> str:
+def packed_commands(commands: Iterable[Mapping[str, Any]]) -> str:
     """Commands as base64 of a gzip file with the length (4 bytes, big-endian) and the msgpack of each command."""
     import umsgpack
 

@@ -14,7 +14,7 @@ from flexdyn.errors import InputError
 from flexdyn.io.files import write_text
 from flexdyn.viewer import sources
 from flexdyn.viewer.page import Inline
-from flexdyn.viewer.show import show
+from flexdyn.viewer.show import motion_page
 from flexdyn.viewer.sources import Model, Source
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def play(
     if command is not None and compare is None:
         raise InputError("there is no second arm to drive", key="command", remedy='give compare="rigid" too')
     ghost = None if compare is None else sources.second(compare, model, shown, command)
-    text = show(shown.model, shown.motion, ghost, magnify)
+    text = motion_page(shown.model, shown.motion, ghost, magnify)
     if html is not None:
         write_text(Path(html), text)
         return Playback(Path(html).resolve().as_uri(), None)
@@ -135,7 +135,7 @@ def inline(run: Source, compare: Source | None = None, *, command: Any = None, h
     """
     shown = sources.first(run, None)
     ghost = None if compare is None else sources.second(compare, None, shown, command)
-    return Inline(show(shown.model, shown.motion, ghost), height)
+    return Inline(motion_page(shown.model, shown.motion, ghost), height)
 
 
 def _has_screen() -> bool:

@@ -15,7 +15,7 @@ from flexdyn.robot import frame_positions
 from flexdyn.viewer.bodies import bodies_of
 from flexdyn.viewer.layout import Extent, arm_size, extent
 from flexdyn.viewer.motion import Frames, PlayedMotion, checked_factor, frames_of, magnification
-from flexdyn.viewer.page import floats, page
+from flexdyn.viewer.page import floats, viewer_page
 from flexdyn.viewer.scene import ARM, GHOST, SILVER, VIOLET, ArmScene, NodeMove, commands_of
 from flexdyn.viewer.solids import NEEDLE
 
@@ -66,7 +66,7 @@ def about_it(
     }
 
 
-def legend(frames: Frames, frame: str, factors: Mapping[str, float], dials: Sequence[str]) -> dict[str, Any]:
+def legend_parts(frames: Frames, frame: str, factors: Mapping[str, float], dials: Sequence[str]) -> dict[str, Any]:
     """The parts of the picture, each with the nodes of the scene that its check box hides.
 
     Args:
@@ -135,7 +135,7 @@ def _view(box: Extent) -> list[float]:
     return [[1.6, -0.6, 0.5], [0.5, -1.6, 0.5], [0.2, -0.9, 1.3]][thin]
 
 
-def show(
+def motion_page(
     model: FlexibleJointModel, motion: PlayedMotion, ghost: PlayedMotion | None = None, magnify: float | None = None
 ) -> str:
     """The page of a motion.
@@ -164,12 +164,12 @@ def show(
     dialled = [j for j in range(model.n) if _known(motion, j)]
     scene.commands.extend(commands_of(_moves(model, frames, dialled, factors, scene), frames.rate))
     about = about_it(model, frames, size, extent(robot, frames.everywhere, bodies), tips)
-    about |= legend(frames, frame, factors, scene.dials)
+    about |= legend_parts(frames, frame, factors, scene.dials)
     samples = len(motion.t)
     if len(frames.arm.t) < samples:
         notes += (f"{len(frames.arm.t)} of {samples} samples are in the page, {frames.rate:.4g} in a second",)
     about["notes"] = [*motion.notes, *(() if ghost is None else ghost.notes), *notes]
-    return page(motion.label, about, scene.commands)
+    return viewer_page(motion.label, about, scene.commands)
 
 
 def _factors(model: FlexibleJointModel, motion: PlayedMotion, size: float, magnify: float | None) -> dict[str, float]:

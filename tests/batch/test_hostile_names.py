@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.batch.draws import drawn
+from flexdyn.batch.draws import draws_of_run
 from flexdyn.batch.layout import array_name
 from flexdyn.batch.results import Results
 from flexdyn.batch.studyfile import read_study
@@ -55,7 +55,7 @@ def test_the_store_holds_every_number_by_its_name(results: Results) -> None:
     stored = {array_name(path) for path in paths}
     assert len(stored) == len(paths)
     assert all(len(name.encode()) <= 200 and not set(name) & {"/", "\\"} for name in stored)
-    table = np.array([[drawn(results.study, k)[path] for path in paths] for k in range(2)])
+    table = np.array([[draws_of_run(results.study, k)[path] for path in paths] for k in range(2)])
     np.testing.assert_array_equal(table, np.array(list(results.parameters.values())).T[:2])
 
 

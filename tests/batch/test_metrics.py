@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 import flexdyn as fd
 from flexdyn.batch.aim import aim_of
 from flexdyn.batch.catalogue import METRICS
-from flexdyn.batch.metrics import measure, metric, metrics_of
+from flexdyn.batch.metrics import metric, metrics_of, metrics_of_runs
 from flexdyn.batch.motion import RunsMotion
 from tests.arms import EXACT, slider
 
@@ -183,7 +183,7 @@ def test_one_joint_of_an_arm_of_both_kinds() -> None:
     found = metrics_of(["motor_torque_max.joint2", "motor_torque_max.joint3"], model, aim)
     assert [each.unit for each in found] == ["N m", "N"]
     run = fd.simulate(model, [1.0, -3.0, 20.0, 0.5], 0.05)
-    values, reasons = measure(found, RunsMotion.of(run, aim))
+    values, reasons = metrics_of_runs(found, RunsMotion.of(run, aim))
     assert (values.tolist(), reasons) == ([[3.0], [20.0]], [[]])
 
 
@@ -220,7 +220,7 @@ def test_a_metric_of_ones_own(tmp_path: Path) -> None:
     names = [f"own_numbers_a:{name}" for name in ("last", "moved", "none", "two", "broken", "nan")]
     found = metrics_of([*names, "motor_torque_max"], run.model, aim, tmp_path)
     assert (found[0].unit, found[0].description) == ("m", "Last position.")
-    measured, (reasons,) = measure(found, RunsMotion.of(run, aim))
+    measured, (reasons,) = metrics_of_runs(found, RunsMotion.of(run, aim))
     values = measured[:, 0]
     assert values[:2].tolist() == [run.q[-1, 0], 1.0]
     assert np.isnan(values[2:6]).all()

@@ -195,6 +195,13 @@ WRONG_STUDIES: tuple[dict[str, Any], ...]
 WRONG_STUDIES = ({"runs": 0}, {"points": 10**9}, {"chunk": "1"}, {"seed": "x"}, {"rate": -1.0}, {"duration": math.inf})
 WRONG_STUDIES += ({"vary": {"a": 3}}, {"vary": []}, {"keep": ["nothing"]}, {"metrics": [3]}, {"solver": {"name": "x"}})
 WRONG_STUDIES += ({"model": 3}, {"command": {"pd": 3}}, {"command": 3}, {"files": []}, {"unknown": 1}, {"folder": None})
+WRONG_STUDIES += ({"command": {"pd": {"reference": 3, "kp": 1.0, "kd": 1.0}}}, {"command": {"pd": {}}}, {"vary": {}})
+WRONG_STUDIES += (
+    {"keep": ["q", "q"]},
+    {"metrics": ["", ""]},
+    {"solver": {"name": "auto", "step": 1.0}},
+    {"vary": {3: {}}},
+)
 
 
 def changed(store: Path, content: Any) -> Path:

@@ -15,7 +15,7 @@ import xarray
 import flexdyn as fd
 from flexdyn.batch.cases import Cases
 from flexdyn.batch.chunk import Done, Task
-from flexdyn.batch.draws import drawn
+from flexdyn.batch.draws import draws_of_run
 from flexdyn.batch.progress import Progress
 from flexdyn.batch.studyfile import read_study
 from flexdyn.errors import InputError
@@ -41,7 +41,7 @@ def test_every_run_is_that_of_simulate(tmp_path: Path) -> None:
     data = fd.run_study(path, tmp_path / "out.zarr", workers=2).dataset()
     study, base = read_study(path), fd.load_model(tmp_path / "arm.yaml")
     for k in range(12):
-        values = drawn(study, k)
+        values = draws_of_run(study, k)
         stiffness, inertia, level = values.values()
         effects = [*base.effects[:1], base.effects[1].replace(level=level), base.effects[2]]
         joints = {"shoulder": {"stiffness": stiffness}, "elbow": {"rotor_inertia": inertia}}

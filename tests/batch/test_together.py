@@ -12,8 +12,8 @@ import flexdyn as fd
 from flexdyn.batch.aim import aim_of
 from flexdyn.batch.cases import Cases
 from flexdyn.batch.catalogue import METRICS
-from flexdyn.batch.draws import table
-from flexdyn.batch.metrics import measure, metrics_of
+from flexdyn.batch.draws import draws_of_runs
+from flexdyn.batch.metrics import metrics_of, metrics_of_runs
 from flexdyn.batch.motion import RunsMotion
 from flexdyn.batch.studyfile import read_study
 from flexdyn.simulation.inputs_and_signals import SIGNALS
@@ -37,7 +37,7 @@ SOLVERS: list[Any] = [{"name": "DormandPrince", "rtol": 1e-4, "atol": 1e-5}, {"n
 def at_once(path: Path) -> tuple[Cases, dict[str, Any], dict[str, Any], Any]:
     """A study's cases, its numbers, the signals of its runs, and which of them were done together."""
     cases = Cases(read_study(path))
-    numbers = table(cases.study, range(cases.study.count))
+    numbers = draws_of_runs(cases.study, range(cases.study.count))
     signals = {signal: np.full((cases.study.count, len(cases.times), 2), np.nan) for signal in SIGNALS}
     return cases, numbers, signals, cases.together(numbers, signals, None)
 
@@ -105,9 +105,9 @@ def test_measured_together_as_alone() -> None:
     aim = aim_of(command, model, 1.0)
     found = metrics_of(list(METRICS), model, aim)
     signals = {signal: np.array([getattr(run, signal) for run in runs]) for signal in SIGNALS}
-    values, reasons = measure(found, RunsMotion(model.robot, runs[0].t, signals, aim, runs))
+    values, reasons = metrics_of_runs(found, RunsMotion(model.robot, runs[0].t, signals, aim, runs))
     assert np.isfinite(values).any(axis=1).sum() >= len(found) - 1
     for i, run in enumerate(runs):
-        alone, reason = measure(found, RunsMotion.of(run, aim))
+        alone, reason = metrics_of_runs(found, RunsMotion.of(run, aim))
         np.testing.assert_array_equal(values[:, i], alone[:, 0])
         assert reasons[i] == reason[0]

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import flexdyn as fd
-from flexdyn.cli.diagnose import spread
+from flexdyn.cli.diagnose import repeated_option
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
 from tests.cli.conftest import Runner
 from tests.diagnose import report_cases as cases
@@ -128,7 +128,7 @@ def test_options_after_checks_keep_their_values() -> None:
     takes = {"--check": 1, "-o": 1, "--json": 0}
     typed = ["m", "a", "--check", "b", "c", "-o", "out", "--check", "d", "--json", "--", "e"]
     read = ["m", "a", "--check", "b", "--check", "c", "-o", "out", "--check", "d", "--json", "--", "e"]
-    assert spread(typed, takes) == read
+    assert repeated_option(typed, takes) == read
 
 
 def test_a_map_reads_every_recording(flexdyn: Runner, answer: Answer) -> None:

@@ -88,7 +88,7 @@ ARGUMENTS = [
     # first state
     ([*SIMULATE, "--q0", "1"], ["--q0", "2 values", "'1'", "shoulder, elbow"]),
     ([*SIMULATE, "--q0", "elbw=1"], ["--q0", "'elbw'", "did you mean 'elbow'?"]),
-    ([*SIMULATE, "--q0", "elbow=1,2"], ["--q0", "with and without"]),
+    ([*SIMULATE, "--q0", "elbow=1,2"], ["--q0", "some values name a joint"]),
     ([*SIMULATE, "--q0", "elbow=1,elbow=2"], ["--q0", "'elbow'", "twice"]),
     ([*SIMULATE, "--v0", "elbow=quick"], ["--v0 elbow", "'quick'"]),
     ([*SIMULATE, "--v0", "0,inf"], ["--v0 elbow", "finite"]),

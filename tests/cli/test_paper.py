@@ -34,7 +34,7 @@ def study(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Path]]:
     def _study(*passed: bool) -> list[Path]:
         folders: list[Path] = []
 
-        def run_study(out: Path, *, diagnose: bool, progress: Callable[[str], None] | None = None) -> PaperStudy:
+        def run_paper_study(out: Path, *, diagnose: bool, progress: Callable[[str], None] | None = None) -> PaperStudy:
             folders.append(out / "diagnosis" if diagnose else out)
             assert progress is None, "stderr is no terminal here"
             checks = tuple(Check(f"check {k}", 1e-12, 1e-11, good, "m") for k, good in enumerate(passed))
@@ -42,7 +42,7 @@ def study(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Path]]:
             return PaperStudy({"slope": -1.0, "worst": float("inf"), "numbers": numbers}, checks, ())
 
         module = ModuleType("flexdyn.paper")
-        module.run_study = run_study  # type: ignore[attr-defined]
+        module.run_paper_study = run_paper_study  # type: ignore[attr-defined]
         module.hidden_friction = hidden_friction  # type: ignore[attr-defined]
         monkeypatch.setitem(sys.modules, "flexdyn.paper", module)
         return folders

@@ -104,7 +104,7 @@ def test_a_fault_of_ours_is_exit_code_1(flexdyn: Runner, monkeypatch: pytest.Mon
     def fault(*arguments: object) -> None:
         raise ZeroDivisionError("a bug\nof ours")
 
-    monkeypatch.setattr("flexdyn.cli.info.describe", fault)
+    monkeypatch.setattr("flexdyn.cli.info.model_document", fault)
     outcome = flexdyn("info", "double_pendulum")
     assert outcome.code == 1
     assert outcome.err == (
@@ -119,7 +119,7 @@ def test_a_fault_of_ours_is_exit_code_1(flexdyn: Runner, monkeypatch: pytest.Mon
 
 def test_too_much_to_hold_is_the_users_to_lessen(capsys: pytest.CaptureFixture[str]) -> None:
     """Out of memory is told with the remedy."""
-    assert failures.report(MemoryError()) == 2
+    assert failures.print_error(MemoryError()) == 2
     assert "--rate" in capsys.readouterr().err
 
 

@@ -34,8 +34,8 @@ def model() -> fd.FlexibleJointModel:
         ([0.0, 1.0], [10**400, 0], "values: numbers are needed"),
         ([0.0, 1.0], [[1, 2], [3]], "values: numbers are needed"),
         (None, [1.0, 2.0], "samples: t is (samples,)"),
-        ([0.0, 1.0], {"a": [1, 2], "b": [1, 2, 3]}, "values: one column (samples,) a joint is needed"),
-        ([0.0, 1.0], {}, "values: one column (samples,) a joint is needed"),
+        ([0.0, 1.0], {"a": [1, 2], "b": [1, 2, 3]}, "values: one column (samples,) for each joint is needed"),
+        ([0.0, 1.0], {}, "values: one column (samples,) for each joint is needed"),
     ],
 )
 def test_samples_without_sense_are_refused(t: Any, values: Any, words: str) -> None:

@@ -15,7 +15,7 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.corrected import corrected, leaves_noise
 from flexdyn.diagnose.decision.findings import reported_names
 from flexdyn.diagnose.decision.gaps import nearer
-from flexdyn.diagnose.decision.model_effects import needed, possible
+from flexdyn.diagnose.decision.model_effects import possible, with_elasticity
 from flexdyn.diagnose.decision.run import diagnose
 from flexdyn.diagnose.decision.significance import is_significant, least_deviation
 from flexdyn.diagnose.hypothesis.estimate import fit
@@ -56,9 +56,9 @@ def _two_links(effects: tuple[Effect, ...], elastic: tuple[str, ...] = ()) -> Hy
 def test_load_dependent_friction_keeps_the_elasticity_of_its_joint() -> None:
     """Also where that is not named; what other joints have is left out, and what stands is not added again."""
     here = _two_links((SOFT["shoulder"], SOFT["elbow"], LOADED["elbow"], PLAIN))
-    assert needed(here, [LOADED["elbow"]]) == (LOADED["elbow"], SOFT["elbow"])
-    assert needed(here, [SOFT["elbow"], LOADED["elbow"]]) == (SOFT["elbow"], LOADED["elbow"])
-    assert needed(here, [PLAIN]) == (PLAIN,)
+    assert with_elasticity(here, [LOADED["elbow"]]) == (LOADED["elbow"], SOFT["elbow"])
+    assert with_elasticity(here, [SOFT["elbow"], LOADED["elbow"]]) == (SOFT["elbow"], LOADED["elbow"])
+    assert with_elasticity(here, [PLAIN]) == (PLAIN,)
 
 
 def test_load_dependent_friction_goes_with_the_elasticity_of_its_joint() -> None:

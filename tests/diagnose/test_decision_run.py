@@ -16,9 +16,9 @@ import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.corrected import converged
 from flexdyn.diagnose.decision.model_rows import rows_of_models
-from flexdyn.diagnose.decision.notes import stopped
+from flexdyn.diagnose.decision.notes import unsettled_numbers
 from flexdyn.diagnose.decision.run import diagnose
-from flexdyn.diagnose.decision.verdict import left
+from flexdyn.diagnose.decision.verdict import left_by_joint
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.linear import linearised
 from flexdyn.diagnose.progress import STAGES
@@ -202,7 +202,7 @@ def test_what_is_left_is_measured_in_torque(tmp_path: Path, share: float) -> Non
     x, _ = sliding(force + wave, 1.0 / RATE, MASS, 0.0)
     data = (measured(model, slider_recording(x, force, RATE, LEVELS, seed=2)),)
     space, start, _ = workspace(model, data)
-    found = left(rows_of_models(space.equations, start, start, data), {"lift": ("t",)})
+    found = left_by_joint(rows_of_models(space.equations, start, start, data), {"lift": ("t",)})
     assert [each.joint for each in found] == ["lift"] * (share > 0.0)
     for each in found:
         assert each.share_of_torque == pytest.approx(share, rel=0.05)
@@ -233,7 +233,7 @@ def test_a_fit_that_stopped_short_says_what_it_would_move(tmp_path: Path, level:
     made = linearised(Hypothesis(model, start.factors, effects=tuple(friction)), space)
     assert converged(made) == stands
     if not stands:
-        assert stopped(made)[0] == "level of Coulomb friction of lift"
+        assert unsettled_numbers(made)[0] == "level of Coulomb friction of lift"
 
 
 def test_an_expected_effect_that_does_not_exist_is_refused(tmp_path: Path) -> None:

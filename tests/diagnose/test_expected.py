@@ -12,7 +12,7 @@ from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured, measured
 from flexdyn.diagnose.equations.covariance import SampleNoise, coefficients, whitener
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.equations.expected import expected_data, spread
+from flexdyn.diagnose.equations.expected import expected_data, onto_samples
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
@@ -61,7 +61,7 @@ def test_rows_say_of_samples_what_samples_do_to_rows(clean: tuple[Equations, Sam
     y = change.reshape(-1, len(at.kinds))
     samples = along.lost + at.filters.instants(len(along.t))
     back = sum(
-        float(spread(at, channel, orders, y, samples, len(data.t)) @ (moved.tau - data.tau)[:, channel[1]])
+        float(onto_samples(at, channel, orders, y, samples, len(data.t)) @ (moved.tau - data.tau)[:, channel[1]])
         for channel, orders in coefficients(at, along).items()
         if channel[0] == "tau"
     )
@@ -183,7 +183,7 @@ def test_what_noise_does_to_rows_is_in_their_units(stiff: fd.Recording) -> None:
         for (kind, j), orders in coefficients(at, along).items():
             for row in range(len(at.kinds)) if kind == signal else ():
                 own = {order: {row: terms[row]} for order, terms in orders.items() if row in terms}
-                back[row] += float(spread(at, (kind, j), own, y, samples, len(data.t)) @ n[:, j])
+                back[row] += float(onto_samples(at, (kind, j), own, y, samples, len(data.t)) @ n[:, j])
         assert back == pytest.approx((y**2).sum(axis=0), rel=0.01, abs=0.0)
 
 

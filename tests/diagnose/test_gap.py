@@ -16,7 +16,7 @@ from flexdyn.diagnose.constants import STRAY_SHARE
 from flexdyn.diagnose.shooting import matched as matching
 from flexdyn.diagnose.shooting import shooter as shooting
 from flexdyn.diagnose.shooting.gap import Shot, shoot
-from flexdyn.diagnose.shooting.starts import first_states
+from flexdyn.diagnose.shooting.starts import window_starts
 from flexdyn.diagnose.shooting.windows import Windows
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, Levels, two_link_recording
@@ -72,7 +72,7 @@ def test_only_windows_that_stray_are_tried_from_rest() -> None:
     seen = {name: run[name] + noise[name.split(".")[0]] * draw.standard_normal(len(run)) for name in names}
     windows = Windows.of(model, [fd.Recording(run.t, seen)], levels.noise())
     shooter = shooting.Shooter(model, windows)
-    starts, used = first_states(shooter), shoot(model, windows).used
+    starts, used = window_starts(shooter), shoot(model, windows).used
     assert starts.stuck is not None
     alone = matching.Matching(shooter, dataclasses.replace(starts, stuck=None), used).best()
     both = matching.Matching(shooter, starts, used).best()
@@ -195,7 +195,7 @@ def test_windows_of_slow_arms_with_dry_friction_take_the_classical_method() -> N
     model = two_link(ARM, friction).replace(joints={"*": {"stiffness": 80.0}})
     windows = Windows.of(model, [two_link_recording(FINE, 0)], FINE.noise())
     shooter = shooting.Shooter(model, windows)
-    x0 = first_states(shooter).x
+    x0 = window_starts(shooter).x
     assert isinstance(shooter._solver(x0, 1.0), fd.solvers.RungeKutta4)
     usual = shooter.reported(shooter.run(x0))
     exact = _by(shooter, x0, fd.solvers.DormandPrince(rtol=1e-10, atol=1e-12))

@@ -13,7 +13,7 @@ import flexdyn as fd
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.shooter import Shooter
 from flexdyn.diagnose.shooting.spread import spread
-from flexdyn.diagnose.shooting.starts import first_states
+from flexdyn.diagnose.shooting.starts import window_starts
 from flexdyn.diagnose.shooting.whiten import Filter
 from flexdyn.diagnose.shooting.windows import Windows
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
@@ -73,7 +73,7 @@ def test_bristles_keep_their_bend_into_the_window(tmp_path: Path) -> None:
     states, _ = held(rates, [0.0, 0.0, 0.0], np.arange(len(force)) / 250.0, lambda _t, _x: next(rows))
     levels, model = Levels(1e-6, 1e-3), slider_model(tmp_path, [effect])
     windows = Windows.of(model, [slider_recording(states[:, 0], force, 250.0, levels, 0)], levels.noise(1))
-    z = first_states(Shooter(model, windows)).x[:, 2]
+    z = window_starts(Shooter(model, windows)).x[:, 2]
     np.testing.assert_allclose(z, states[windows.places[:, 1], 2], atol=0.05 * effect.reach)
     assert np.abs(z).max() > 0.5 * effect.reach
     assert shoot(model, windows).gap == pytest.approx(1.0, abs=0.25)
@@ -105,7 +105,7 @@ def test_noise_that_would_excuse_any_motion_is_told(tmp_path: Path) -> None:
     x, _ = sliding(FORCE, 1.0 / RATE, MASS, 0.0)
     windows = Windows.of(model, [slider_recording(x, FORCE, RATE, levels, 0)], levels.noise(1))
     shooter = Shooter(model, windows)
-    starts = first_states(shooter)
+    starts = window_starts(shooter)
     response = spread(shooter, shooter.run(starts.x), np.arange(len(starts.x)))
     grown = dataclasses.replace(response, flow=10.0 * response.flow)
     used = np.ones(windows.measured.shape, bool)
@@ -136,7 +136,7 @@ def test_some_windows_respond_as_among_all(tmp_path: Path, timed: bool) -> None:
     x, _ = sliding(STOP_AND_GO, 1.0 / RATE, MASS, LEVEL)
     windows = Windows.of(model, [slider_recording(x, STOP_AND_GO, RATE, levels, 0)], levels.noise(1))
     shooter, some = Shooter(model, windows), np.array([1, 4, 7])
-    starts = first_states(shooter).x
+    starts = window_starts(shooter).x
     whole = shooter.run(starts)
     assert (whole.written == windows.rows).all()
     response, few = spread(shooter, whole, np.arange(len(windows))), spread(shooter, whole, some)
@@ -147,7 +147,7 @@ def test_some_windows_respond_as_among_all(tmp_path: Path, timed: bool) -> None:
     for name in ("flow", "push", "seen"):
         np.testing.assert_allclose(getattr(filled, name)[some], getattr(response, name)[some], rtol=1e-9, atol=1e-12)
 
-    used, std = np.ones(windows.measured.shape, bool), first_states(shooter).std
+    used, std = np.ones(windows.measured.shape, bool), window_starts(shooter).std
     one, other = (Filter.of(windows, r, std, used, w) for r, w in ((response, np.arange(len(windows))), (few, some)))
     mixed = dataclasses.replace(one, gain=0.0 * one.gain, whitener=0.0 * one.whitener).replaced(some, other)
     for name in ("gain", "first_gain", "whitener", "variance", "unfitted", "counted"):

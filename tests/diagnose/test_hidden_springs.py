@@ -14,7 +14,7 @@ from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.shooting.shooter import Shooter
-from flexdyn.diagnose.shooting.starts import INTERNAL_STATE_WIDTH, first_states
+from flexdyn.diagnose.shooting.starts import INTERNAL_STATE_WIDTH, window_starts
 from flexdyn.diagnose.shooting.windows import Windows
 
 HYSTERESIS = fd.effects.SpringHysteresis("elbow", stiffness=400.0, width=0.004)
@@ -48,7 +48,7 @@ def test_windows_begin_with_the_state_that_the_computed_deflection_leads_to(
     bare, noise, _ = prepared(model, (measured(model, recording),))
     assert bare.equations.computed.all()
     windows = Windows.of(model, [recording], noise)
-    found = first_states(Shooter(model, windows)).x[:, -1]
+    found = window_starts(Shooter(model, windows)).x[:, -1]
     true = HYSTERESIS.states_along(run.deflection[:, 1])[windows.places[:, 1]]
     inside = slice(1, None)  # the first window begins where the filters have not begun
     assert np.abs(found - true)[inside].max() < INTERNAL_STATE_WIDTH * HYSTERESIS.reach

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import flexdyn as fd
 from flexdyn.diagnose.constants import CERTAIN_SIGMAS, NOISE_LEVEL_ERROR, OFTEN, PREVALENCE_ODDS, SELDOM
 from flexdyn.diagnose.hypothesis.proposal import Proposal
-from flexdyn.diagnose.inference.apart import GUESSED, genuine, shares
+from flexdyn.diagnose.inference.apart import GUESSED, genuine, power_ratios
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.search import nested
@@ -115,7 +115,7 @@ def test_an_orthogonal_effect_has_all_that_it_does() -> None:
     """Own power over what is left beyond the sensors' noise, by the sums of squares of forms that are known."""
     number, one, two, rest = _orthogonal(4, SIZE)
     case = _case((_effect("viscous_friction", one), _effect("backlash", two)), -one - 0.5 * two + 0.2 * rest, number)
-    found = shares(_coloured(case), frozenset({(1, 0), (2, 0)}))
+    found = power_ratios(_coloured(case), frozenset({(1, 0), (2, 0)}))
     excess = float(_excess(0.2**2 * POWER))
     # The prior's mean of zero takes some 1/(1 + 40^2) of each coefficient.
     assert found == {
@@ -130,7 +130,7 @@ def test_what_a_fit_does_not_leave_is_not_left() -> None:
     number, one, rest = _orthogonal(3, SIZE)
     space = _coloured(_case((_effect("viscous_friction", one),), rest - one, number))
     structure: Structure = frozenset({(1, 0)})
-    linear, fitted = (shares(space, structure, np.array([x, 0.0]))[1] for x in (0.0, 0.75 * POWER))
+    linear, fitted = (power_ratios(space, structure, np.array([x, 0.0]))[1] for x in (0.0, 0.75 * POWER))
     assert fitted / linear == pytest.approx(float(_excess(POWER) / _excess(0.25 * POWER)), rel=1e-2)
 
 
@@ -141,7 +141,7 @@ def test_what_is_left_at_other_equations_does_not_matter() -> None:
     other[:, 1] = 50.0
     rows = -one + 0.2 * rest
     found = [
-        shares(_coloured(_case((_effect("viscous_friction", one),), left, number)), frozenset({(1, 0)}))[1]
+        power_ratios(_coloured(_case((_effect("viscous_friction", one),), left, number)), frozenset({(1, 0)}))[1]
         for left in (rows, rows + other.ravel())
     ]
     assert found[0] == pytest.approx(found[1], rel=1e-12)
@@ -153,10 +153,10 @@ def test_what_chance_leaves_says_nothing_of_unknown_effects(left: float) -> None
     number, one, two, rest = _orthogonal(4, SIZE)
     effects = (_effect("viscous_friction", one), _effect("backlash", two))
     structure = frozenset({(1, 0), (2, 0)})
-    found = shares(_coloured(_case(effects, -one - 0.01 * two + left * rest, number)), structure)
+    found = power_ratios(_coloured(_case(effects, -one - 0.01 * two + left * rest, number)), structure)
     assert min(found[1], found[2]) > 1e6
     noisy = _case(effects, -one - 0.01 * two + 0.5 * rest, number)
-    assert min(shares(noisy.space(), structure)[c] for c in (1, 2)) > 1e6
+    assert min(power_ratios(noisy.space(), structure)[c] for c in (1, 2)) > 1e6
 
 
 def test_what_one_joint_leaves_may_hide_at_another() -> None:
@@ -165,10 +165,10 @@ def test_what_one_joint_leaves_may_hide_at_another() -> None:
     there = np.roll(rest.reshape(TIMES, EQUATIONS), 1, axis=1).ravel()
     effects = (_effect("viscous_friction", one), _effect("backlash", there, joint="b"), _effect("payload", 2.0 * there))
     case = _case(effects, -one, number)
-    found = shares(_coloured(case), frozenset({(1, 0)}))[1]
+    found = power_ratios(_coloured(case), frozenset({(1, 0)}))[1]
     assert found > 1e6
     left = np.roll(_orthogonal(4, SIZE)[3].reshape(TIMES, EQUATIONS), 1, axis=1).ravel()
-    found = shares(_coloured(_case(effects, -one + 0.3 * left, number)), frozenset({(1, 0)}))[1]
+    found = power_ratios(_coloured(_case(effects, -one + 0.3 * left, number)), frozenset({(1, 0)}))[1]
     # The root mean square over the two equations of what is left would be more than noise can hide here.
     below = NOISE_LEVEL_ERROR * TIMES + CERTAIN_SIGMAS * np.sqrt(2.0 * TIMES * ALIKE)
     assert below < 0.5 * float(_excess(0.3**2 * POWER))
@@ -180,12 +180,12 @@ def test_a_copy_of_another_effect_has_none() -> None:
     number, one, rest = _orthogonal(3, SIZE)
     case = _case((_effect("viscous_friction", one), _effect("backlash", one)), -one + 0.2 * rest, number)
     space = _coloured(case)
-    both = shares(space, frozenset({(1, 0), (2, 0)}))
+    both = power_ratios(space, frozenset({(1, 0), (2, 0)}))
     # Each does a half, for which the other would have to be 1, 2.5 standard deviations of its prior.
     hidden = 0.5**2 * SEEN / (1.0 + 0.4**2 * SEEN) / (_excess(0.2**2 * POWER) / ALIKE)
     for c in (1, 2):
         assert both[c] == pytest.approx(hidden, rel=1e-2)
-        assert shares(space, frozenset({(c, 0)}))[c] > 20.0
+        assert power_ratios(space, frozenset({(c, 0)}))[c] > 20.0
 
 
 @pytest.mark.parametrize("joint", ["a", "b"])
@@ -195,7 +195,7 @@ def test_a_law_counts_what_the_plainer_one_that_it_contains_cannot_do(joint: str
     law = _effect("asymmetric_friction", plain + difference, plain - difference)
     rows = -(0.9 * plain + 0.3 * difference) + 0.2 * rest
     case = _case((law, _effect("coulomb_friction", plain, joint=joint)), rows, number)
-    found = shares(_coloured(case), frozenset({(1, 0)}))[1]
+    found = power_ratios(_coloured(case), frozenset({(1, 0)}))[1]
     own = 0.3**2 if joint == "a" else 0.9**2 + 0.3**2
     assert found == pytest.approx(own * POWER / _excess(0.2**2 * POWER), rel=2e-2)
 
@@ -206,7 +206,7 @@ def test_a_number_takes_what_its_tolerance_allows(tolerance: float, left: float)
     one, rest = _orthogonal(2, SIZE)
     case = _case((_effect("viscous_friction", one),), -one + 0.2 * rest, one, std=tolerance)
     mean = case.dense(frozenset({(1, 0)}), case.noise(times=(ALIKE, ALIKE))).mean[-1]
-    found = shares(_coloured(case), frozenset({(1, 0)}))[1] / (mean**2 * POWER / float(_excess(0.2**2 * POWER)))
+    found = power_ratios(_coloured(case), frozenset({(1, 0)}))[1] / (mean**2 * POWER / float(_excess(0.2**2 * POWER)))
     assert found == pytest.approx((1.0 + tolerance**2 * SEEN) ** -1, rel=1e-2, abs=1e-6)
     assert found == pytest.approx(left, abs=0.01)
 
@@ -216,7 +216,7 @@ def test_a_number_that_is_wrong_stands_out_by_all_that_it_does() -> None:
     one, two, rest = _orthogonal(3, SIZE)
     for tolerance in (1e-5, 1e-2, 0.03):
         case = _case((), -0.5 * (one + two) + 0.2 * rest, one, two, std=tolerance)
-        found = shares(_coloured(case), frozenset({(0, 0)}))
+        found = power_ratios(_coloured(case), frozenset({(0, 0)}))
         moved = 0.5 / (1.0 + 1.0 / (tolerance**2 * SEEN))  # by ridge regression
         excess = float(_excess(POWER * (0.2**2 + (0.5 - moved) ** 2)))
         wanted = {
@@ -233,7 +233,7 @@ def test_a_number_is_as_far_off_as_it_is_from_the_file(factor: float) -> None:
     case = _case((), -(1.3 - factor) * one + 0.2 * rest, one, std=0.3, factor=factor)
     excess = float(_excess(0.2**2 * POWER))
     for structure in (frozenset[tuple[int, int]](), frozenset({(0, 0)})):
-        assert shares(_coloured(case), structure) == {0: pytest.approx(0.3**2 * POWER / excess, rel=1e-2)}
+        assert power_ratios(_coloured(case), structure) == {0: pytest.approx(0.3**2 * POWER / excess, rel=1e-2)}
 
 
 @settings(deadline=None, max_examples=40)
@@ -262,7 +262,7 @@ def test_shares_are_those_of_least_squares(
     # Coulomb friction does not stand beside the law that contains it.
     structure = frozenset((c, 0) for c in chosen if c != 5 or 4 not in chosen)
     noise = case.noise(scale, times)
-    found, wanted = shares(case.space(noise), structure), _oracle(case, structure, noise)
+    found, wanted = power_ratios(case.space(noise), structure), _oracle(case, structure, noise)
     assert found.keys() == wanted.keys()
     for c, each in found.items():
         assert each == pytest.approx(wanted[c], rel=1e-6)

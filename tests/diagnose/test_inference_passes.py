@@ -7,7 +7,7 @@ import dataclasses
 import pytest
 
 from flexdyn.diagnose.constants import IN_TOLERANCE
-from flexdyn.diagnose.inference.passes import _in_tolerance, other_linearisations
+from flexdyn.diagnose.inference.passes import _in_tolerance, linearised_elsewhere
 from tests.diagnose.test_estimate import problem
 
 
@@ -25,12 +25,12 @@ def test_a_fit_out_of_tolerance_is_no_place_to_linearise(sign: float, tolerances
 def test_a_cycle_of_linearisations_is_averaged() -> None:
     """Only those since the structure was compared before: what came earlier no longer happens."""
     a, b, c, d = (frozenset({(name,)}) for name in "abcd")
-    assert other_linearisations([a, b, c], b) == (c,)
-    assert other_linearisations([a, b], b) == ()
-    assert other_linearisations([a, b, c, d], a) == (b, c, d)
+    assert linearised_elsewhere([a, b, c], b) == (c,)
+    assert linearised_elsewhere([a, b], b) == ()
+    assert linearised_elsewhere([a, b, c, d], a) == (b, c, d)
 
 
 def test_a_search_without_an_end_averages_all_but_the_first() -> None:
     """The first one is at the file's numbers, where nothing has been added yet."""
     a, b, c, d = (frozenset({(name,)}) for name in "abcd")
-    assert other_linearisations([a, b, c], d) == (b, c)
+    assert linearised_elsewhere([a, b, c], d) == (b, c)

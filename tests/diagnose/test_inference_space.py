@@ -23,7 +23,7 @@ from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column
 Array = NDArray[np.float64]
 EMPTY: Structure = frozenset()
 INERTIA = FileNumber("a", "rotor_inertia", 0.1, 0.1, "a")
-NUMBER, VISCOUS_A, VISCOUS_B, STRIBECK, COULOMB, ASYMMETRIC, RIPPLE = range(7)
+NUMBER, VISCOUS_A, _, STRIBECK, COULOMB, _, RIPPLE = range(7)
 TOLD = ModelError(np.array([2.0, 5.0]), np.array([3.0, 8.0]), np.full(2, float(TIMES)))
 """A model error that differs by equation."""
 

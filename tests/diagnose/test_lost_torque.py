@@ -6,7 +6,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import flexdyn as fd
 from flexdyn.diagnose.data.filters import Filters
@@ -21,7 +20,6 @@ from flexdyn.diagnose.shooting.windows import Windows
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, Levels, two_link_recording
 
-Array = NDArray[np.float64]
 RATE, SWING, PACE = 500.0, 0.2, 4.0
 
 

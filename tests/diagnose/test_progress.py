@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from flexdyn.diagnose.decision.background import beside
+from flexdyn.diagnose.decision.background import in_background
 from flexdyn.diagnose.parallel import in_parallel
 from flexdyn.diagnose.progress import Course, check, know, tell
 
@@ -36,7 +36,7 @@ def test_work_is_done_beside_and_its_answer_comes_back() -> None:
         assert threading.get_ident() == here
         told.append((stage, share))
 
-    assert beside(work, Course(), show) != here
+    assert in_background(work, Course(), show) != here
     assert told == [("one", 0.25), ("two", 0.75), ("two again", 0.75)], "a share never falls"
     assert seen == [[("one", 0.25)]]
 
@@ -48,7 +48,7 @@ def test_an_error_of_the_work_is_raised_here() -> None:
         raise ValueError("too short")
 
     with pytest.raises(ValueError, match="too short"):
-        beside(work, Course(), lambda stage, share: None)
+        in_background(work, Course(), lambda stage, share: None)
 
 
 def test_work_abreast_is_stopped_and_what_was_known_stays() -> None:
@@ -69,7 +69,7 @@ def test_work_abreast_is_stopped_and_what_was_known_stays() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        beside(work, course, show)
+        in_background(work, course, show)
     assert (course.known, course.stage) == ({"first": 1}, "begun")
     assert len(done) < 1000
 
@@ -88,7 +88,7 @@ def test_work_that_does_not_listen_is_not_waited_for() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        beside(deaf, Course(), show)
+        in_background(deaf, Course(), show)
     assert not over.is_set(), "it was waited for"
     free.set()
     assert over.wait(60.0)
@@ -149,7 +149,7 @@ def test_work_is_stopped_wherever_the_interrupt_falls(monkeypatch: pytest.Monkey
     monkeypatch.setattr(ThreadPoolExecutor, "submit", interrupted)
     course = Course()
     with pytest.raises(KeyboardInterrupt):
-        beside(lambda: tell("at work", 0.5), course, lambda stage, share: None)
+        in_background(lambda: tell("at work", 0.5), course, lambda stage, share: None)
     assert course.stop.is_set()
     for thread in threading.enumerate():
         if thread.name.startswith("flexdyn-diagnosis"):

@@ -7,12 +7,12 @@ import json
 import math
 from collections.abc import Callable, Set
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
 from flexdyn.diagnose.report.document import CONSIDERED
-from flexdyn.diagnose.report.result import VERDICTS, Diagnosis
+from flexdyn.diagnose.report.result import Diagnosis, Verdict
 from flexdyn.diagnose.report.suspects import Number, Suspect
 from tests.diagnose import report_cases as cases
 
@@ -90,7 +90,7 @@ def test_the_json_is_what_the_contract_says(made: Callable[[], Diagnosis], tmp_p
     text = (tmp_path / "report.json").read_text(encoding="utf-8")
     document = json.loads(text, parse_constant=lambda word: pytest.fail(f"{word} is not JSON"))
     assert document["schema"] == "flexdyn.diagnosis/2"
-    assert document["verdict"] in VERDICTS
+    assert document["verdict"] in get_args(Verdict)
     _is(document, DOCUMENT)
     assert list(document["gap"]) == ["fit", "test"]
     for gap in document["gap"].values():

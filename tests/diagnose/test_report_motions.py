@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexdyn.diagnose.report.pictures import motion_figures
-from flexdyn.diagnose.report.trace import MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed
+from flexdyn.diagnose.report.trace import MOST_TRAJECTORY_POINTS, MeasuredCurve, Trajectory, packed_column
 from tests.arms import repickled
 from tests.browser import open_page
 from tests.diagnose import report_cases as cases
@@ -39,15 +39,15 @@ def test_a_packed_column_is_the_column() -> None:
     """Within half a level, and gaps stay gaps."""
     values = np.random.default_rng(1).standard_normal(500) * 1e-5
     values[[0, 7, 499]] = np.nan
-    made = packed(values, levels=1000)
+    made = packed_column(values, levels=1000)
     level, found = 0, []
     for step in made["steps"]:
         level += step or 0
         found.append(np.nan if step is None else level * made["unit"])
     assert (np.isnan(found) == np.isnan(values)).all()
     assert np.nanmax(np.abs(np.array(found) - values)) <= 0.51 * np.nanmax(np.abs(values)) / 1000
-    assert packed([np.nan, np.nan])["steps"] == [None, None]
-    assert packed([0.0, 0.0])["steps"] == [0, 0]
+    assert packed_column([np.nan, np.nan])["steps"] == [None, None]
+    assert packed_column([0.0, 0.0])["steps"] == [0, 0]
 
 
 def test_a_thinned_curve_keeps_its_peaks() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import get_args
 
 import pytest
 
@@ -11,17 +12,17 @@ import flexdyn as fd
 from flexdyn.diagnose.report.digits import (
     estimate_text,
     evidence_text,
+    factor_text,
     interval_text,
     likely,
     percent,
     probability_text,
-    relative,
     rounded,
     value_text,
 )
 from flexdyn.diagnose.report.measures import Calibration, Left
 from flexdyn.diagnose.report.page import part
-from flexdyn.diagnose.report.result import VERDICTS, Diagnosis
+from flexdyn.diagnose.report.result import Diagnosis, Verdict
 from flexdyn.diagnose.report.sentences import (
     error_sentence,
     finding_sentences,
@@ -71,7 +72,7 @@ SENTENCES = {
 def test_every_verdict_has_its_sentence() -> None:
     """All seven, with the names and numbers of the diagnosis in them."""
     made = {each.__name__: each() for each in cases.CASES}
-    assert {diagnosis.verdict for diagnosis in made.values()} == set(VERDICTS)
+    assert {diagnosis.verdict for diagnosis in made.values()} == set(get_args(Verdict))
     assert {name: verdict_sentence(diagnosis) for name, diagnosis in made.items()} == SENTENCES
 
 
@@ -221,7 +222,7 @@ def test_digits_follow_from_the_uncertainty() -> None:
 def test_changes_read_as_percent() -> None:
     """Two digits below ten percent, whole ones above; no change is none; a multiple is a multiple."""
     minus = "\N{MINUS SIGN}"
-    told = {factor: relative(factor) for factor in (1.0123, 0.9, 2.9, 1.0 + 1e-9, 4.0)}
+    told = {factor: factor_text(factor) for factor in (1.0123, 0.9, 2.9, 1.0 + 1e-9, 4.0)}
     assert list(told.values()) == ["+1.2 %", f"{minus}10 %", "+190 %", "none", "4 times what is given"]
 
 

@@ -37,7 +37,7 @@ def test_a_report_is_replaced_whole_or_not_at_all(tmp_path: Path, monkeypatch: p
     def fails(*arguments: Any, **settings: Any) -> str:
         raise MemoryError
 
-    monkeypatch.setattr(sys.modules["flexdyn.diagnose.report.write"], "page", fails)
+    monkeypatch.setattr(sys.modules["flexdyn.diagnose.report.write"], "report_page", fails)
     with pytest.raises(MemoryError):
         cases.no_discrepancy().save(tmp_path)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before

@@ -32,7 +32,7 @@ def plant() -> Plant:
 
 def moved(plant: Plant, corners: tuple[bench.Corners, bench.Corners]) -> Truth:
     """The arm under the bench's control law, as the other simulator has it."""
-    wanted = bench.motion(corners)
+    wanted = bench.corner_motion(corners)
     forward = bench.feedforward(PaperCases().arm(), wanted)
     gains = np.full(2, bench.KP), np.full(2, bench.KD), np.full(2, bench.MOTOR_STEP)
     return controlled(plant, Control(wanted, forward, *gains, bench.FILTERED))
@@ -57,7 +57,7 @@ def answer(plant: Plant) -> fd.Diagnosis:
     """What the study says of recordings of the other simulator."""
     noise = np.random.default_rng(11)
     runs = moved(plant, bench.FIT), pulsed(plant), moved(plant, bench.CHECK)
-    fit, *check = (bench.recorded(run.t, run.y[:, 0:2], run.y[:, 2:4], run.tau, noise) for run in runs)
+    fit, *check = (bench.bench_recording(run.t, run.y[:, 0:2], run.y[:, 2:4], run.tau, noise) for run in runs)
     return fd.diagnose(hidden_friction.without_dry_friction(PaperCases().model), [fit], check)
 
 

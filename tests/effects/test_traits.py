@@ -94,6 +94,21 @@ class Magnet(JointEffect):
 
 
 @unlisted
+class Foam(JointEffect):
+    """Soft stops at 2 rad, on either side."""
+
+    sides = ("link",)
+    stage = "link"
+    keeps_to = "range"
+    neutral: ClassVar[Mapping[str, float]] = {"press": 0.0}
+    press: float = parameter("N m/rad", lower=0.0)
+
+    def torque(self, x: Any, u: Any, *, t: Any = 0.0, tau: Any = 0.0) -> Any:
+        """Minus press times the position beyond 2 rad."""
+        return -self.press * np.sign(x) * np.maximum(np.abs(x) - 2.0, 0.0)
+
+
+@unlisted
 class Grease(JointEffect):
     """Viscous friction by another name."""
 
@@ -119,6 +134,27 @@ def test_a_joint_becomes_elastic() -> None:
     assert soft.resolved().effects == ()
     with pytest.raises(fd.InputError, match="belt needs a rigid joint"):
         ARM.replace(effects=[Belt("elbow", rate=700.0)])
+
+
+def test_a_stop_of_ones_own_keeps_to_the_range() -> None:
+    """`enforce_limits` adds no second one at its joint; an effect that says nothing of it changes nothing."""
+    model = fd.load_model("ur5").replace(effects=[])
+    joint = model.joint_names[0]
+    plain, own, other = (
+        [each.name for each in fd.enforce_limits(model.replace(effects=effects)).effects]
+        for effects in ([], [Foam(joint, press=5.0)], [Grease(joint, side="link", drag=1.0)])
+    )
+    assert own.count("end_stop") == plain.count("end_stop") - 1
+    assert own.count("torque_speed_limit") == plain.count("torque_speed_limit") == model.n
+    assert other[1:] == plain
+
+
+def test_messages_name_effects_of_ones_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A belt makes a joint elastic too."""
+    monkeypatch.setitem(base._registry, Belt.name, Belt)
+    rigid = ARM.replace(joints={"*": {"stiffness": math.inf}}, initial={})
+    with pytest.raises(fd.InputError, match="or the effect joint_elasticity or belt"):
+        rigid.replace(effects=[fd.effects.TransmissionDamping("elbow", coefficient=1.0)])
 
 
 def test_gains_of_one_joint_add() -> None:

@@ -94,7 +94,7 @@ def _without_long_work() -> Iterator[None]:
     not_here = InputError("that is not done here")
     with (
         patch("flexdyn.diagnose.diagnose", side_effect=not_here),
-        patch("flexdyn.paper.run_study", side_effect=not_here),
+        patch("flexdyn.paper.run_paper_study", side_effect=not_here),
         patch("flexdyn.cli.health.self_test", return_value=[]),
     ):
         yield

@@ -14,10 +14,10 @@ import pytest
 from flexdyn.diagnose.report.measures import Gap
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Finding, Number, Suspect
-from flexdyn.paper import bench, hidden_friction, run_study, study
+from flexdyn.paper import bench, hidden_friction, run_paper_study, study
 from flexdyn.paper.bench import Bench
 from flexdyn.paper.cases import PaperCases
-from flexdyn.paper.hidden_friction_figure import draw
+from flexdyn.paper.hidden_friction_figure import draw_hidden_friction
 
 NAMES = ("coulomb_friction", "stribeck_friction")
 
@@ -43,7 +43,7 @@ def answer(cases: PaperCases, *, leave_out: int = 0, wrong: float = 1.0) -> Diag
 
 def test_the_motion_rests_at_every_corner() -> None:
     """Through all corners, with no velocity there, so that dry friction is seen to stick and to break away."""
-    wanted = bench.motion(bench.FIT)
+    wanted = bench.corner_motion(bench.FIT)
     assert wanted.shape == (40_001, 2)
     for j, corners in enumerate(bench.FIT):
         for t, angle in corners:
@@ -55,7 +55,7 @@ def test_the_motion_rests_at_every_corner() -> None:
 def test_the_arm_follows_sticks_and_sweeps(made: Bench) -> None:
     """Control holds the arm near what is wanted; both joints rest for a while, creep, and move fast."""
     run = made.runs["fit"]
-    assert np.abs(run.theta - bench.motion(bench.FIT)).max() < 0.3
+    assert np.abs(run.theta - bench.corner_motion(bench.FIT)).max() < 0.3
     for j in (0, 1):
         speed = np.abs(run.v[:, j])
         assert (speed == 0.0).mean() > 0.01
@@ -115,7 +115,7 @@ def test_the_gap_falls_with_every_effect(cases: PaperCases, made: Bench, tmp_pat
     assert 3.0 < steps[2].gap < 200.0
     assert {step.name for step in steps[2:4]} == {f"+ Stribeck friction, {joint}" for joint in ("shoulder", "elbow")}
     canvas = matplotlib.figure.Figure(figsize=(7.16, 3.6), layout="constrained")
-    draw(canvas, made.recordings["check_fig4"], given, right.model, steps)
+    draw_hidden_friction(canvas, made.recordings["check_fig4"], given, right.model, steps)
     canvas.savefig(tmp_path / "gap.png")
     bars = canvas.axes[-1]
     assert [label.get_text() for label in bars.get_yticklabels()] == [step.name for step in steps[:-1]]
@@ -136,7 +136,7 @@ def test_the_study_with_a_diagnosis(cases: PaperCases, tmp_path: Path, monkeypat
     monkeypatch.setattr(study, "CHAPTERS", study.CHAPTERS[1:2])
     monkeypatch.setattr(hidden_friction, "diagnose", diagnose)
     lines: list[str] = []
-    done = run_study(tmp_path, diagnose=True, progress=lines.append)
+    done = run_paper_study(tmp_path, diagnose=True, progress=lines.append)
     assert lines[1:] == [f"2 of 2: friction hidden, and found{more}" for more in ("", ": looking, 50 %")]
     assert {path for path in tmp_path.rglob("*") if path.is_file()} == set(done.files)
     made = {str(path.relative_to(tmp_path)) for path in done.files}

@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 from flexdyn.errors import InputError, MissingExtra
-from flexdyn.paper import Check, PaperStudy, run_study
-from flexdyn.paper.chapter import Chapter, check
+from flexdyn.paper import Check, PaperStudy, run_paper_study
+from flexdyn.paper.chapter import Chapter, checked_statement
 from flexdyn.paper.report import summary_data, summary_text
 from flexdyn.records import Recording, read_recording
 
@@ -53,7 +53,7 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Done:
     for stale in ("summary.json", "summary.md", "fig4_torque.png", "runs/fig3_flexible.npz"):
         (out / stale).write_text("stale")
     lines: list[str] = []
-    return Done(run_study(out, progress=lines.append), out, lines)
+    return Done(run_paper_study(out, progress=lines.append), out, lines)
 
 
 def recording(done: Done, name: str) -> Recording:
@@ -203,7 +203,7 @@ def test_progress_names_every_part(done: Done) -> None:
 
 def test_a_check_that_fails_is_reported() -> None:
     """A value past its bound or no number is no pass, and the summary says so without breaking."""
-    good, bad, none = (check("is small", value, 1.0, "m") for value in (1.0, 1.5, math.nan))
+    good, bad, none = (checked_statement("is small", value, 1.0, "m") for value in (1.0, 1.5, math.nan))
     assert (good.passed, bad.passed, none.passed) == (True, False, False)
     chapter = Chapter("Part", "Text.", (good, bad, none), {"found": [1.0, math.inf]})
     text = summary_text([chapter], [], "0")
@@ -220,7 +220,7 @@ def test_folder_that_cannot_be_made(tmp_path: Path) -> None:
     """A file in the folder's place is answered by one line that names it, before anything is computed."""
     (tmp_path / "taken").write_text("")
     with pytest.raises(InputError, match=r"taken.*cannot be made") as caught:
-        run_study(tmp_path / "taken", progress=pytest.fail)
+        run_paper_study(tmp_path / "taken", progress=pytest.fail)
     assert "\n" not in str(caught.value)
 
 
@@ -229,7 +229,7 @@ def test_without_matplotlib(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     for module in ("matplotlib", "matplotlib.figure", "matplotlib.style"):
         monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(MissingExtra, match=r"flexdyn\[plot\]"):
-        run_study(tmp_path / "out")
+        run_paper_study(tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 

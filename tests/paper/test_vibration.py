@@ -18,7 +18,7 @@ from flexdyn.paper.cases import (
     smooth_samples,
     smooth_torque,
 )
-from flexdyn.paper.vibration import amplitude, decay_rate, modes, residual, ringing_after
+from flexdyn.paper.vibration import amplitude, decay_rate, paper_modes, residual, ringing_after
 from flexdyn.simulation.simulate import simulate
 
 
@@ -34,7 +34,7 @@ def test_undamped_modes_solve_the_symmetric_eigenproblem(arm: eq.Arm, q2: float)
     M = scipy.linalg.block_diag(eq.mass_matrix(arm, np.array([0.0, q2])), arm.J * np.eye(2))
     K = arm.K * np.block([[np.eye(2), -np.eye(2)], [-np.eye(2), np.eye(2)]])
     squares = scipy.linalg.eigh(K, M, eigvals_only=True)
-    found = modes(replace(arm, v=0.0), q2)
+    found = paper_modes(replace(arm, v=0.0), q2)
     np.testing.assert_allclose([2 * np.pi * mode.frequency for mode in found], np.sqrt(squares[2:]), rtol=1e-9)
     assert max(abs(mode.rate) for mode in found) < 1e-9
 
@@ -42,7 +42,7 @@ def test_undamped_modes_solve_the_symmetric_eigenproblem(arm: eq.Arm, q2: float)
 def test_small_damping_by_rayleigh(arm: eq.Arm) -> None:
     """To first order a mode decays by half its damping power over twice its kinetic energy."""
     small = replace(arm, v=1e-4)
-    for mode, damped in zip(modes(replace(arm, v=0.0), 1.0), modes(small, 1.0), strict=True):
+    for mode, damped in zip(paper_modes(replace(arm, v=0.0), 1.0), paper_modes(small, 1.0), strict=True):
         links, rotors = mode.shape[:2].real, mode.shape[2:4].real
         mass = links @ eq.mass_matrix(arm, np.array([0.0, 1.0])) @ links + arm.J * rotors @ rotors
         assert damped.rate == pytest.approx(small.v * links @ links / (2 * mass), rel=1e-3)

@@ -126,7 +126,10 @@ def test_limits_of_the_urdf_stay_with_their_joints() -> None:
 
 def test_what_does_not_act_on_one_joint_alone_is_refused() -> None:
     """Friction between links of a coupled joint, in a line."""
-    problem = "coulomb_friction acts on axes, got 'elbow'; name an axis that moves it, left and right; end_stop, para"
+    problem = (
+        "coulomb_friction acts on axes, got 'elbow'; name an axis that moves it, left and right; "
+        "parallel_spring, position_torque or end_stop may name the joint"
+    )
     with pytest.raises(InputError, match=problem):
         model(fd.effects.CoulombFriction("elbow", side="link", level=1.0), spring=False)
 

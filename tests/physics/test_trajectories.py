@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 import flexdyn as fd
@@ -16,7 +15,6 @@ from tests.arms import BENT, EXACT, state, two_link
 from tests.oracles.integrate import trajectory
 from tests.oracles.two_link import TwoLink
 
-Array = NDArray[np.float64]
 CLOSE = 1e-8
 START = [0.0, math.pi / 2, 0.0, math.pi / 2, 0.4, -0.3, 0.4, -0.3]
 SMOOTH = TwoLink(stiffness=(30.0, 20.0), damping=(0.1, 0.05))

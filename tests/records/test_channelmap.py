@@ -18,7 +18,6 @@ from flexdyn.errors import InputError
 from flexdyn.records.meta import as_plain
 from tests.records.mapping import channel_map, mapped
 
-DEG = np.pi / 180
 LOG = """\
 Robot: left arm
  ;position;current;note

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import flexdyn as fd
 from flexdyn.effects import CoulombFriction
@@ -15,7 +14,6 @@ from tests.arms import BENT, two_link
 from tests.oracles.two_link import TwoLink
 from tests.simulation.test_users_laws import MyFriction, Nonsense
 
-Array = NDArray[np.float64]
 ARM = TwoLink(stiffness=(30.0, 20.0), damping=(0.1, 0.05))
 SOLVERS: tuple[Solver, ...] = (
     DormandPrince(),

@@ -17,7 +17,7 @@ import umsgpack
 import flexdyn as fd
 from flexdyn.robot import frame_positions
 from flexdyn.viewer import sources
-from flexdyn.viewer.show import show
+from flexdyn.viewer.show import motion_page
 from flexdyn.viewer.solids import tube
 from tests.viewer.arms import rigid_run, shapeless, swinging, two_link_run
 
@@ -91,7 +91,7 @@ def page_of(run: Any, compare: Any = None, magnify: float | None = None) -> Page
     """The page of a run, taken apart."""
     shown = sources.first(run, None)
     ghost = None if compare is None else sources.second(compare, None, shown)
-    return Page(show(shown.model, shown.motion, ghost, magnify))
+    return Page(motion_page(shown.model, shown.motion, ghost, magnify))
 
 
 @pytest.mark.parametrize("arm", ["scara_two_link", "scara", "ur5", "shapeless"])
@@ -172,7 +172,7 @@ def test_long_motions_make_small_pages() -> None:
     t = np.linspace(0.0, 60.0, 60_001)
     recording = fd.Recording(t, {"q.shoulder": np.sin(t), "q.elbow": np.cos(7 * t), "theta.elbow": np.cos(7.01 * t)})
     shown = sources.first(recording, "scara_two_link")
-    assert len(show(shown.model, shown.motion)) < 2e6
+    assert len(motion_page(shown.model, shown.motion)) < 2e6
 
 
 def test_a_tube_is_closed_and_as_thick_as_asked() -> None:

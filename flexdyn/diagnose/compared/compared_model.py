@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.diagnose.compared.report_file import read_report
-from flexdyn.diagnose.report.calibrated import FACTOR, given_number
+from flexdyn.diagnose.report.calibrated import FACTOR, number_as_given
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Number
 from flexdyn.diagnose.report.words import effect_name, names_number, number_phrase, place_phrase
@@ -102,7 +102,7 @@ def _numbers_of_model(
     found = {}
     for number in file_numbers(true):
         phrase = number_phrase(true, number.of, number.parameter)
-        value, unit = given_number(true, number.of, number.parameter)
+        value, unit = number_as_given(true, number.of, number.parameter)
         value = factors.get(phrase, value) if unit == FACTOR else value
         found[phrase] = Number(value, relative.get(phrase, number.tolerance) * abs(value), unit)
     return found

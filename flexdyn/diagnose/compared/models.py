@@ -14,7 +14,7 @@ from flexdyn.diagnose.report.digits import probability_text, value_text
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Number
 from flexdyn.errors import InputError
-from flexdyn.io.notebook import Public, card, table
+from flexdyn.io.notebook import Public, card, html_table
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 CHANCE = 0.0027
@@ -146,7 +146,9 @@ class ModelsCompared(Public):
     def _repr_html_(self) -> str:
         """What a notebook shows."""
         numbers, effects = self.heads
-        return card(repr(self)[1:-1], {}, table(numbers, self.number_rows()), table(effects, self.effect_rows()))
+        return card(
+            repr(self)[1:-1], {}, html_table(numbers, self.number_rows()), html_table(effects, self.effect_rows())
+        )
 
 
 def compare_models(models: Sequence[Given], labels: Sequence[str] = ()) -> ModelsCompared:

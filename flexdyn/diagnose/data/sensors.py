@@ -17,7 +17,7 @@ SPARE_SAMPLES = 16
 """Number of samples beyond either end that have an influence on a spline's coefficients."""
 
 
-def corrected(data: Measured, model: FlexibleJointModel) -> Measured:
+def true_channels(data: Measured, model: FlexibleJointModel) -> Measured:
     """The true channels, if the model's sensor effects are right."""
     sensors = by_channel(model.effects)
     if not sensors:

@@ -24,7 +24,7 @@ GUESSED = 0.1
 """Share of the work from which the remaining time is estimated [1]."""
 
 
-def beside(work: Callable[[], Answer], course: Course, progress: Progress) -> Answer:
+def in_background(work: Callable[[], Answer], course: Course, progress: Progress) -> Answer:
     """Do some work in another thread and show its progress in this one.
 
     The core computes for seconds at a time, and meanwhile Python handles no signal in the thread that called it.
@@ -67,7 +67,7 @@ def beside(work: Callable[[], Answer], course: Course, progress: Progress) -> An
 
 
 @contextmanager
-def shown(progress: Progress | bool | None) -> Iterator[Progress]:
+def display_of(progress: Progress | bool | None) -> Iterator[Progress]:
     """How progress is shown: by a function of the user, by a bar in a terminal or notebook, or not at all.
 
     Args:

@@ -9,13 +9,13 @@ from typing import Any
 
 from flexdyn.diagnose.decision.calibrated import calibrated
 from flexdyn.diagnose.decision.corrected import Corrected, corrected, leaves_noise
-from flexdyn.diagnose.decision.drawn import drawn, trajectories
+from flexdyn.diagnose.decision.drawn import compared_motions, ordered_pictures
 from flexdyn.diagnose.decision.figures import OnFit, OnTest, on_fit, on_test
 from flexdyn.diagnose.decision.findings import calibration, findings, reported_names, with_experiments
 from flexdyn.diagnose.decision.forces import are_prescribed, loops
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.decision.notes import notes, statistics, stopped
+from flexdyn.diagnose.decision.notes import notes, statistics, unsettled_numbers
 from flexdyn.diagnose.decision.split import DataPart, Parts
 from flexdyn.diagnose.decision.suspects import considered, structures
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
@@ -73,12 +73,12 @@ def concluded(plain: Workspace, start: Hypothesis, compared: Posterior, found: C
         gap_fit=first.gap,
         where=() if said == "no_discrepancy" else first.where,
         notes=notes(compared, found),
-        residuals=drawn(first.rows, found, named),
+        residuals=ordered_pictures(first.rows, found, named),
         fit=statistics(found.fitted),
-        trajectories=tuple(each for on in drawn_data for each in trajectories(on)),
+        trajectories=tuple(each for on in drawn_data for each in compared_motions(on)),
         loops=tuple(loop for on in drawn_data if are_prescribed(on.parts) for loop in loops(on.rows.models, on.parts)),
         no_model=WORSE if first.worse and not guessed else "",
-        stopped=() if converged else stopped(first.stalled or found.fitted),
+        stopped=() if converged else unsettled_numbers(first.stalled or found.fitted),
     )
 
 

@@ -14,18 +14,18 @@ from flexdyn.diagnose.constants import ESTABLISHED, IN_TOLERANCE, LEAST_IN_COMMO
 from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.even_odds import told_by_data
 from flexdyn.diagnose.decision.masses import Masses
-from flexdyn.diagnose.decision.model_effects import effect_of, needed, possible
+from flexdyn.diagnose.decision.model_effects import effect_of, possible, with_elasticity
 from flexdyn.diagnose.decision.model_rows import ModelRows
 from flexdyn.diagnose.decision.naming import Name, names, standing_in
 from flexdyn.diagnose.decision.one_law import completing
 from flexdyn.diagnose.decision.significance import stays
-from flexdyn.diagnose.decision.verdict import left
+from flexdyn.diagnose.decision.verdict import left_by_joint
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.exact_descent import descended
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.less_rounded import less_rounded
-from flexdyn.diagnose.inference.apart import genuine, shares
+from flexdyn.diagnose.inference.apart import genuine, power_ratios
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.odds_by_fits import squares_left
 from flexdyn.diagnose.inference.passes import Posterior
@@ -121,7 +121,7 @@ def corrected(
     masses = _masses(found)
     best = frozenset(c for c, _ in found.best)
     there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
-    apart = functools.partial(shares, space, overstated=_overstated(found))
+    apart = functools.partial(power_ratios, space, overstated=_overstated(found))
     own = _genuine(found, apart(found.best))
     may = functools.partial(_may_stand_in, found, masses)
     sure = [each.candidate for each in names(masses, best, None, there, may) if each.established]
@@ -222,7 +222,7 @@ def _may_stand_in(found: Posterior, masses: Masses, of: int, c: int) -> bool:
 def _fit_of_kept(found: Posterior, made: Fit, kept: Collection[int]) -> Fit:
     """The fit with the kept candidates alone."""
     here, own = made.hypothesis, [found.space.candidates[c] for c in sorted(kept)]
-    effects = needed(here, [each for each in here.effects if any(effect_of(one, here) is each for one in own)])
+    effects = with_elasticity(here, [each for each in here.effects if any(effect_of(one, here) is each for one in own)])
     freed = frozenset(one.number for one in own if one.number is not None)
     if effects == here.effects and freed == here.freed:
         return made
@@ -247,7 +247,7 @@ def leaves_noise(made: Fit, plain: Workspace) -> bool:
     """Whether no joint's equations leave more than noise and 1 % of its torque, apart from offsets of the encoders."""
     at = plain.equations.of(made.hypothesis.seen())
     models = (plain.equations, at, at)
-    return not left(ModelRows(models, plain.noise, plain.whiten), {})
+    return not left_by_joint(ModelRows(models, plain.noise, plain.whiten), {})
 
 
 def converged(made: Fit) -> bool:

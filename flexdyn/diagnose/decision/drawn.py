@@ -23,7 +23,7 @@ HIGHEST_DRAWN_RATE = 200.0
 """Positions are drawn at most so often [Hz]; torques at the rate of the equations' rows."""
 
 
-def drawn(rows: ModelRows, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
+def ordered_pictures(rows: ModelRows, found: Corrected, named: Sequence[Name]) -> tuple[ResidualTrace, ...]:
     """Pictures in the order of how much they explain: of the laws found, then two of every equation.
 
     Args:
@@ -62,7 +62,7 @@ def _dependence(cloud: ResidualTrace) -> float:
     return spread if np.isfinite(spread) else 0.0
 
 
-def trajectories(on: OnData) -> tuple[Trajectory, ...]:
+def compared_motions(on: OnData) -> tuple[Trajectory, ...]:
     """Measured and simulated motion of every joint over every span of some data."""
     found = []
     robot = on.rows.given.true.robot

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from flexdyn.diagnose.decision.corrected import Corrected
-from flexdyn.diagnose.decision.forces import Forces, are_prescribed, errors_of, recorded
-from flexdyn.diagnose.decision.gains import gains, shares
+from flexdyn.diagnose.decision.forces import Forces, are_prescribed, errors_of, recorded_force
+from flexdyn.diagnose.decision.gains import gains, shares_of_gap
 from flexdyn.diagnose.decision.gaps import FIT_WINDOWS, Shots, shots, windows_of
 from flexdyn.diagnose.decision.model_rows import ModelRows, rms, rows_of_models
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.split import DataPart
-from flexdyn.diagnose.decision.verdict import dependence, left
+from flexdyn.diagnose.decision.verdict import dependence, left_by_joint
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.localise import localise
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
@@ -155,8 +155,8 @@ def on_test(
     over = None if windows is None else Shots(*shots([here.given, calibrated.seen(), here.seen()], windows))
     off = Forces.of(rows) if are_prescribed(parts) else over
     gone = gains(rows, found, named)
-    remaining = left(rows, dependence(first.left))
-    return OnTest(parts, rows, off, _errors(rows, over), remaining, gone, shares(rows, found, named, gone))
+    remaining = left_by_joint(rows, dependence(first.left))
+    return OnTest(parts, rows, off, _errors(rows, over), remaining, gone, shares_of_gap(rows, found, named, gone))
 
 
 def _errors(rows: ModelRows, over: Shots | None) -> dict[str, JointError]:
@@ -169,7 +169,7 @@ def _errors(rows: ModelRows, over: Shots | None) -> dict[str, JointError]:
         position = _errors_of_signal([math.nan] * 3 if over is None else over.position(joint), robot.angle_unit(joint))
         force = None
         if rows.given.data[0].forced[j]:
-            force = _errors_of_signal(errors_of(rows.models, j), unit, recorded(rows.given, j))
+            force = _errors_of_signal(errors_of(rows.models, j), unit, recorded_force(rows.given, j))
         found[joint] = JointError(torque, position, () if over is None else over.scaled(joint), force)
     return found
 

@@ -11,7 +11,7 @@ from scipy.special import ndtr
 from flexdyn.diagnose.constants import ESTABLISHED, IN_TOLERANCE
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.gains import in_order
-from flexdyn.diagnose.decision.model_effects import effect_of, needed
+from flexdyn.diagnose.decision.model_effects import effect_of, with_elasticity
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.significance import least_deviation
 from flexdyn.diagnose.decision.suspects import numbers_of, suspect_of
@@ -203,5 +203,7 @@ def _in_place(found: Corrected, rival: int, of: int) -> Hypothesis | None:
     if effect is None:
         return None
     soft = {getattr(each, "joint", "") for each in rest.effects if each.makes_elastic}
-    more = [e for e in needed(structure, [effect]) if not e.makes_elastic or getattr(e, "joint", "") not in soft]
+    more = [
+        e for e in with_elasticity(structure, [effect]) if not e.makes_elastic or getattr(e, "joint", "") not in soft
+    ]
     return dataclasses.replace(rest, effects=(*rest.effects, *more))

@@ -73,15 +73,17 @@ def errors_of(models: Sequence[Equations], joint: int | None = None) -> tuple[fl
         joint: its place; None: all whose motion is prescribed, together.
     """
     joints = [j for j, _ in _prescribed(models[0])] if joint is None else [joint]
-    return tuple(rms(np.concatenate([left(at, along, j) for along in at.motions for j in joints])) for at in models)
+    return tuple(
+        rms(np.concatenate([remaining_force(at, along, j) for along in at.motions for j in joints])) for at in models
+    )
 
 
-def recorded(at: Equations, joint: int) -> float:
+def recorded_force(at: Equations, joint: int) -> float:
     """The recorded force of a joint, root mean square over all samples [N m or N]."""
     return rms(np.concatenate([along.tau[:, joint] for along in at.motions]))
 
 
-def left(at: Equations, along: SmoothedMotion, j: int) -> Array:
+def remaining_force(at: Equations, along: SmoothedMotion, j: int) -> Array:
     """Recorded less simulated force of a joint (samples,), behind the first filter alone."""
     true = at.true
     terms = joint_terms(true, true.all_effects, along, j)
@@ -103,7 +105,7 @@ def loops(models: Sequence[Equations], parts: Sequence[DataPart]) -> tuple[Force
     for j, joint in _prescribed(at):
         for k, part in enumerate(parts):
             along = [each.motions[k] for each in models]
-            simulated = [a.tau[:, j] - left(each, a, j) for each, a in zip(models, along, strict=True)]
+            simulated = [a.tau[:, j] - remaining_force(each, a, j) for each, a in zip(models, along, strict=True)]
             columns = (along[0].theta[:, j], along[0].omega[:, j], along[0].tau[:, j], simulated[0], simulated[-1])
             every = max(1, -(-len(columns[0]) // MOST_LOOP_POINTS))
             units = (robot.angle_unit(joint), robot.torque_unit(joint))
@@ -147,7 +149,7 @@ def prescribed_forces(model: FlexibleJointModel, recording: Recording) -> Record
     data = measured(model, with_asked_torque(model, recording))
     at = Equations(model, (data,), Filters.of_rate(data.dt))
     along = at.motions[0]
-    columns = {f"tau.{name}": along.tau[:, j] - left(at, along, j) for j, name in _prescribed(at)}
+    columns = {f"tau.{name}": along.tau[:, j] - remaining_force(at, along, j) for j, name in _prescribed(at)}
     meta = {"prescribed": list(recording.prescribed)}
     return Recording(recording.t[0] + along.t, columns, meta=meta, name=recording.name)
 

@@ -31,7 +31,7 @@ def gains(rows: ModelRows, found: Corrected, named: Sequence[Name]) -> dict[int,
     return {c: min(1.0, each) if math.isfinite(before - after) else math.nan for c, each in gain.items()}
 
 
-def shares(rows: ModelRows, found: Corrected, named: Sequence[Name], gain: Mapping[int, float]) -> Shares | None:
+def shares_of_gap(rows: ModelRows, found: Corrected, named: Sequence[Name], gain: Mapping[int, float]) -> Shares | None:
     """Shares of the gap on the test data that add up: names are added one after the other, in the order of their gain.
 
     Args:

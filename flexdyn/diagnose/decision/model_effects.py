@@ -20,7 +20,7 @@ def without_effect(here: Hypothesis, effect: Effect | None) -> Hypothesis:
     return dataclasses.replace(here, effects=possible(here, [each for each in here.effects if each is not effect]))
 
 
-def needed(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
+def with_elasticity(here: Hypothesis, effects: list[Effect]) -> tuple[Effect, ...]:
     """Effects, and the elasticity of each joint whose friction takes the load."""
     loaded = {each.joint for each in effects if isinstance(each, JointEffect) and each.takes_load}
     soft = [each for each in here.effects if each.makes_elastic and getattr(each, "joint", "") in loaded]

@@ -113,7 +113,7 @@ def number_words(here: Hypothesis) -> list[str]:
     return words
 
 
-def stopped(made: Fit) -> tuple[str, ...]:
+def unsettled_numbers(made: Fit) -> tuple[str, ...]:
     """Numbers that the next step of a fit would move farthest, such as ``damping of elbow``."""
     words = number_words(made.hypothesis)
     spread = [

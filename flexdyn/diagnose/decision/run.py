@@ -10,7 +10,7 @@ from typing import Any
 from flexdyn.checks import check_known
 from flexdyn.diagnose.data.rate import advice, at_needed_rates
 from flexdyn.diagnose.data.windings import with_inductance, with_lagging_current, without_inductance
-from flexdyn.diagnose.decision.background import Progress, beside, shown
+from flexdyn.diagnose.decision.background import Progress, display_of, in_background
 from flexdyn.diagnose.decision.split import Recordings, checked_blocks, parts, without_blocks
 from flexdyn.diagnose.decision.unknown_sizes import with_sizes
 from flexdyn.diagnose.decision.unknown_stiffnesses import with_stiffnesses
@@ -80,10 +80,10 @@ def diagnose(
     course = Course()
     # The number of threads changes the rounding of sums: figures, and close choices, would depend on the machine.
     expected = _in_catalogue(expect)
-    with threadpool_limits(limits=1, user_api="blas"), shown(progress) as show:
+    with threadpool_limits(limits=1, user_api="blas"), display_of(progress) as show:
         began = time.monotonic()
         try:
-            return beside(lambda: _diagnosed(model, fit, check, expected, began, said), course, show)
+            return in_background(lambda: _diagnosed(model, fit, check, expected, began, said), course, show)
         except KeyboardInterrupt:
             course.stop.set()
             raise Interrupted(_found_so_far(model, course, began)) from None

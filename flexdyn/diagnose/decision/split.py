@@ -22,7 +22,7 @@ from flexdyn.diagnose.report.measures import RecordingSpan, Role
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, RecordingWarning
-from flexdyn.records.signals.cut import rows_of
+from flexdyn.records.signals.cut import samples_between
 
 SHORTEST_TEST_DATA = 1.0
 """Least length of such test data [s]: two windows of 0.5 s."""
@@ -121,8 +121,8 @@ def _halves(recording: Recording, data: Measured) -> tuple[DataPart, DataPart]:
     """A recording before and after the instant from which the test share of what moves lies."""
     at = _cut(data)
     row = int(np.searchsorted(recording.t, recording.t[0] + data.t[at] - 0.5 * data.dt))
-    first = DataPart(rows_of(recording, 0, row), data.part(0, at), "fit")
-    return first, DataPart(rows_of(recording, row, len(recording)), data.part(at, len(data.t)), "test")
+    first = DataPart(samples_between(recording, 0, row), data.part(0, at), "fit")
+    return first, DataPart(samples_between(recording, row, len(recording)), data.part(at, len(data.t)), "test")
 
 
 def _cut(data: Measured) -> int:

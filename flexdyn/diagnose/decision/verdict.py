@@ -50,7 +50,7 @@ def verdict(*, named: bool, noise: bool | None, converged: bool) -> Verdict:
     return "partly_explained" if named else "unexplained"
 
 
-def left(rows: ModelRows, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Left, ...]:
+def left_by_joint(rows: ModelRows, depends_on: Mapping[str, tuple[str, ...]]) -> tuple[Left, ...]:
     """Of every joint that leaves more than noise and 1 % of its torque, the largest share first.
 
     The mean square of the rows in torque, less that of noise; of a joint with two equations that one which

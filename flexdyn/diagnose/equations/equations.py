@@ -12,7 +12,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.diagnose.data.sensors import corrected
+from flexdyn.diagnose.data.sensors import true_channels
 from flexdyn.diagnose.equations.layout import MOTOR, EquationLayout
 from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
 from flexdyn.diagnose.equations.rest import Rests
@@ -75,7 +75,7 @@ class Equations(EquationLayout):
             smoothed(
                 self.true,
                 self.links,
-                corrected(data, self.model),
+                true_channels(data, self.model),
                 self.filters.first,
                 rests,
                 simulated=self.simulated,

@@ -51,14 +51,14 @@ def _less_noise(
     for channel, orders in coefficients(equations, along).items():
         signal, j = channel
         variance = float(getattr(noise, signal)[j]) ** 2
-        found = variance * spread(equations, channel, orders, rows, at, len(data.t))
+        found = variance * onto_samples(equations, channel, orders, rows, at, len(data.t))
         late = lag(sensors.get(f"{signal}.{equations.true.joint_names[j]}", ()))
         # The recorded channel has it later by the lag that is taken off for the rows.
         columns[signal][:, j] -= np.interp(data.t - late, data.t, found) if late else found
     return dataclasses.replace(data, **columns)
 
 
-def spread(
+def onto_samples(
     equations: Equations, channel: Channel, orders: dict[int, Terms], rows: Array, at: NDArray[np.intp], samples: int
 ) -> Array:
     """A^T of rows: what rows say of the samples of one channel (samples,).

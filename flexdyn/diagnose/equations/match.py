@@ -9,7 +9,7 @@ import numpy as np
 
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.diagnose.data.sensors import corrected
+from flexdyn.diagnose.data.sensors import true_channels
 from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -55,7 +55,7 @@ def match(model: FlexibleJointModel, links: LinkSide, data: Measured, *, springs
         data: the recording, on a uniform clock.
         springs: whether to remove the torque of a spring at the link from both as well.
     """
-    along = motion(links, _every_few(smoothed(model, links, _both(corrected(data, model)), _kernel(data.dt))))
+    along = motion(links, _every_few(smoothed(model, links, _both(true_channels(data, model)), _kernel(data.dt))))
     torques = [_needed_and_friction(model, along, j, springs) for j in range(model.n)]
     gain, share, plain, says = np.array([_matched(*each) for each in torques]).T
     wound = np.array([np.ptp(needed) for _, needed, _ in torques]) / model.stiffness

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.experiment.bench import RehearsalBench
-from flexdyn.diagnose.experiment.moves import VARIED_MOTIONS, PlannedMotion, moves, short
+from flexdyn.diagnose.experiment.moves import VARIED_MOTIONS, PlannedMotion, moves, two_digits
 from flexdyn.diagnose.experiment.plan import planned
 from flexdyn.diagnose.experiment.reach import load_mass
 from flexdyn.diagnose.experiment.rehearsal import CLEAR_DELTA_BIC, LONGEST_MOTION, Rehearsal
@@ -125,7 +125,7 @@ def _other_joints(model: FlexibleJointModel, pose: Array, j: int, words: str) ->
     others = [k for k in range(model.n) if k != j]
     if len(others) > HELD_JOINTS_NAMED:
         return f", the other joints held {words}"
-    names = (f"{model.joint_names[k]} held at {short(pose[k])} {model.robot.angle_unit(k)}" for k in others)
+    names = (f"{model.joint_names[k]} held at {two_digits(pose[k])} {model.robot.angle_unit(k)}" for k in others)
     return "".join(f", {name}" for name in names)
 
 

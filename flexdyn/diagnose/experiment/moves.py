@@ -45,7 +45,7 @@ class PlannedMotion:
 
     def loaded(self, mass: float) -> PlannedMotion:
         """The same with a payload."""
-        return replace(self, words=f"{self.words}, with {short(mass)} kg at the tip", mass=mass)
+        return replace(self, words=f"{self.words}, with {two_digits(mass)} kg at the tip", mass=mass)
 
 
 def moves(reach: Reach, j: int, model: FlexibleJointModel, pose: Array, where: str = "") -> list[PlannedMotion]:
@@ -66,7 +66,7 @@ def moves(reach: Reach, j: int, model: FlexibleJointModel, pose: Array, where: s
     return [_placed(of, words + where, x, push, pose) for words, x, push in made if len(x) > 2]
 
 
-def short(value: float) -> str:
+def two_digits(value: float) -> str:
     """A number with two digits, as text."""
     text = f"{value:.2g}"
     return text if "e" not in text else f"{value:.0f}" if abs(value) >= 100.0 else text
@@ -115,7 +115,7 @@ class _Joint:
         return path
 
     def ends(self, half: float) -> str:
-        return f"between {short(self.middle - half)} and {short(self.middle + half)} {self.unit}"
+        return f"between {two_digits(self.middle - half)} and {two_digits(self.middle + half)} {self.unit}"
 
 
 def _sweeps(joint: _Joint, shares: Sequence[float]) -> Made:
@@ -129,7 +129,7 @@ def _sweeps(joint: _Joint, shares: Sequence[float]) -> Made:
         for _ in range(count):
             points += [points[0] + way, points[0]]
             paced += [speed, speed]
-    said = [short(speed) for speed in speeds]
+    said = [two_digits(speed) for speed in speeds]
     listed = " and ".join([", ".join(said[:-1]), said[-1]]) if len(said) > 1 else said[0]
     return f"move {joint.name} at {listed} {joint.unit}/s both ways {joint.ends(half)}", joint.line(points, paced), None
 
@@ -151,8 +151,8 @@ def _dithers(joint: _Joint, share: float) -> Made:
         for _ in range(max(1, round(PASS_DURATION / 3.0 * speed / (4.0 * half)))):
             points += [joint.middle + half, joint.middle - half]
             paced += [speed, speed]
-    low, high = short(min(speeds)), short(max(speeds))
-    words = f"reverse {joint.name} over {short(2 * half)} {joint.unit} at {low} to {high} {joint.unit}/s"
+    low, high = two_digits(min(speeds)), two_digits(max(speeds))
+    words = f"reverse {joint.name} over {two_digits(2 * half)} {joint.unit} at {low} to {high} {joint.unit}/s"
     return words, joint.line(points, paced), None
 
 
@@ -165,8 +165,8 @@ def _sines(joint: _Joint, share: float, hertz: float) -> Made:
     rate = min(2.0 * math.pi * hertz, fastest)
     t = joint.times(PASS_DURATION)
     x = joint.middle + amplitude * _fade(t, 2.0 * math.pi / rate) * np.sin(rate * t)
-    rated = f"{short(rate / (2.0 * math.pi))} Hz"
-    return f"swing {joint.name} by {short(amplitude)} {joint.unit} at {rated}", x, None
+    rated = f"{two_digits(rate / (2.0 * math.pi))} Hz"
+    return f"swing {joint.name} by {two_digits(amplitude)} {joint.unit} at {rated}", x, None
 
 
 def _chirp(joint: _Joint) -> Made:
@@ -183,8 +183,8 @@ def _chirp(joint: _Joint) -> Made:
     )
     size = (bounds**-4).sum(axis=0) ** -0.25  # below all three bounds, without a corner
     x = joint.middle + size * _fade(t, 1.0) * np.sin(np.cumsum(rate) * joint.dt)
-    words = f"swing {joint.name} with a sine that rises from {short(first)} to {short(last)} Hz"
-    return f"{words}, {short(size[0])} {joint.unit} and less", x, None
+    words = f"swing {joint.name} with a sine that rises from {two_digits(first)} to {two_digits(last)} Hz"
+    return f"{words}, {two_digits(size[0])} {joint.unit} and less", x, None
 
 
 def _pushes(joint: _Joint, share: float) -> Made:
@@ -193,8 +193,10 @@ def _pushes(joint: _Joint, share: float) -> Made:
     size = share * joint.torque
     level = size * np.array([0.0, 1.0, 0.0, -1.0])[(t / 0.5).astype(int) % 4] * (1.0 - 0.5 * (t > 0.5 * PASS_DURATION))
     newton = "N m" if joint.unit == "rad" else "N"
-    words = f"hold {joint.name} at {short(joint.middle)} {joint.unit} and add torque steps of {short(size)} and"
-    words += f" {short(0.5 * size)} {newton}, each way, for 0.5 s each"
+    words = (
+        f"hold {joint.name} at {two_digits(joint.middle)} {joint.unit} and add torque steps of {two_digits(size)} and"
+    )
+    words += f" {two_digits(0.5 * size)} {newton}, each way, for 0.5 s each"
     return words, np.full(len(t), joint.middle), level
 
 

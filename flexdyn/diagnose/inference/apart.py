@@ -64,7 +64,7 @@ def _unusual(candidate: Candidate, effects: Collection[Effect]) -> bool:
     )
 
 
-def shares(space: Space, structure: Structure, overstated: Array | float = 0.0) -> dict[int, float]:
+def power_ratios(space: Space, structure: Structure, overstated: Array | float = 0.0) -> dict[int, float]:
     """Of every effect of a structure and every number of the file: own power over that of what is not explained [1].
 
     The own part of an effect is the part that no other effect of the structure, no number of the file within its

@@ -108,7 +108,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         # Fits of links that are simulated often stall; there it counts at once.
         settled = stays or (places in compared if bare.equations.replayed.any() else (at, places) in passed)
         passed.add((at, places))
-        earlier = () if stays else other_linearisations(compared, places)
+        earlier = () if stays else linearised_elsewhere(compared, places)
         compared.append(places)
         if settled or k == MOST_PASSES - 1:
             break
@@ -128,7 +128,7 @@ def _numbers_alone(bare: Unweighted, recorded: SampleNoise, mask: Flags, start: 
     return fit(start, for_fit(bare, noise, mask, rows_of(at, mask), start), steps=NUMBERS_STEPS).hypothesis
 
 
-def other_linearisations(compared: list[Places], places: Places) -> tuple[Places, ...]:
+def linearised_elsewhere(compared: list[Places], places: Places) -> tuple[Places, ...]:
     """Structures at other linearisations.
 
     Those since the same one was compared before; if it never was, all but that at the file's numbers.

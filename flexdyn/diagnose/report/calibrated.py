@@ -28,14 +28,14 @@ def estimate(model: FlexibleJointModel, entry: Calibration) -> Number:
     """A calibrated number in its unit.
 
     Args:
-        model: corrected, see `given_number`.
+        model: corrected, see `number_as_given`.
         entry: its factor.
     """
-    value, unit = given_number(model, entry.of, entry.parameter)
+    value, unit = number_as_given(model, entry.of, entry.parameter)
     return Number(entry.factor * value, entry.std * value, unit)
 
 
-def given_number(model: FlexibleJointModel, of: str, parameter: str) -> tuple[float, str]:
+def number_as_given(model: FlexibleJointModel, of: str, parameter: str) -> tuple[float, str]:
     """A number of the model file as given, with its unit; of a link's centre of mass and inertia the factor 1.
 
     These have several components, which the URDF has.

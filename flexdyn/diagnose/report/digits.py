@@ -80,7 +80,7 @@ def percent(share: float) -> str:
     return signed(f"{size:.0f} %" if abs(size) >= 10.0 else f"{size:z.1f} %")  # z: no minus before what rounds to 0
 
 
-def relative(factor: float) -> str:
+def factor_text(factor: float) -> str:
     """A factor as what it changes: ``+23 %``, ``none``; from 3 on as it is."""
     if not math.isfinite(factor):
         return "unknown"

@@ -9,7 +9,7 @@ from typing import Any
 from flexdyn.checks import check_known
 from flexdyn.diagnose.constants import ESTABLISHED
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.report.sentences import told
+from flexdyn.diagnose.report.sentences import filled_template
 from flexdyn.diagnose.report.suspects import Suspect, ranks
 from flexdyn.diagnose.report.words import is_number, names_number
 from flexdyn.effects import SensorEffect, catalogue
@@ -31,7 +31,7 @@ def explanation(diagnosis: Diagnosis, target: str) -> str:
         InputError: no such effect, or no such place.
     """
     found = [_facts(diagnosis, each) for each in resolved(diagnosis, target)]
-    return told("explain", diagnosis, target=target, found=found, ESTABLISHED=ESTABLISHED)
+    return filled_template("explain", diagnosis, target=target, found=found, ESTABLISHED=ESTABLISHED)
 
 
 def _facts(diagnosis: Diagnosis, suspect: Suspect) -> dict[str, Any]:

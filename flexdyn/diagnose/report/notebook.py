@@ -10,17 +10,17 @@ from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import gap_sentence, verdict_sentence
 from flexdyn.diagnose.report.words import effect_name, where_phrase
 from flexdyn.errors import visible
-from flexdyn.io.notebook import card, table
+from flexdyn.io.notebook import card, html_table
 
 
 def diagnosis_html(diagnosis: Diagnosis) -> str:
     """The HTML."""
-    findings = table(("finding", "where", "numbers", "probability", "of the test gap"), _findings(diagnosis))
+    findings = html_table(("finding", "where", "numbers", "probability", "of the test gap"), _findings(diagnosis))
     heads = ("joint", "torque error: given, corrected", "position error: given, corrected")
     off = ((joint, errors_text(each.torque), errors_text(each.position)) for joint, each in diagnosis.errors.items())
     notes = (*diagnosis.notes, "diagnosis.save(folder) writes report.html, report.json and model.yaml")
     facts = {"verdict": diagnosis.verdict, "gap": gap_sentence(diagnosis)}
-    return card(verdict_sentence(diagnosis), facts, findings, table(heads, off), notes=notes)
+    return card(verdict_sentence(diagnosis), facts, findings, html_table(heads, off), notes=notes)
 
 
 def diagnosis_line(diagnosis: Diagnosis) -> str:

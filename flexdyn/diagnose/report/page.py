@@ -25,7 +25,7 @@ KNOWN = {
 """What templates may call: all that these modules offer."""
 
 
-def page(diagnosis: Diagnosis) -> str:
+def report_page(diagnosis: Diagnosis) -> str:
     """The page's text.
 
     Names of any origin are safe in it: they are escaped, and the browser runs only the scripts whose hashes the page's

@@ -12,7 +12,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Experiment
-from flexdyn.diagnose.report.trace import MOST_TRAJECTORY_POINTS, ForceLoop, ResidualTrace, Trajectory, packed
+from flexdyn.diagnose.report.trace import MOST_TRAJECTORY_POINTS, ForceLoop, ResidualTrace, Trajectory, packed_column
 
 LEVELS = {"x": 10_000, "y": 1500}
 """Between zero and the largest, across and up: many for each dot of a picture that is 500 wide and 200 high."""
@@ -40,13 +40,13 @@ def shown_at_once(diagnosis: Diagnosis) -> int:
 def residual_figure(trace: ResidualTrace) -> dict[str, Any]:
     """Before below, after above it; over dots their averages and the law that was found."""
     look = "line" if (np.diff(trace.x) > 0.0).all() else "dots"
-    curves = [curve(trace.x, getattr(trace, name), name, name, look) for name in ("before", "after")]
+    curves = [curve_entry(trace.x, getattr(trace, name), name, name, look) for name in ("before", "after")]
     for column, name in ((1, "before"), (2, "after")):
         if len(trace.means) and not (len(trace.law) and column == 1):
-            curves.append(curve(trace.means[:, 0], trace.means[:, column], f"{name}, averaged", name, "bold"))
+            curves.append(curve_entry(trace.means[:, 0], trace.means[:, column], f"{name}, averaged", name, "bold"))
     if len(trace.law):
-        curves.append(curve(trace.law[:, 0], trace.law[:, 1], "the law found", "ink", "bold"))
-    return {**figure("residual", curves, trace.x_label, trace.y_label), "limit": _limit(trace)}
+        curves.append(curve_entry(trace.law[:, 0], trace.law[:, 1], "the law found", "ink", "bold"))
+    return {**figure_entry("residual", curves, trace.x_label, trace.y_label), "limit": _limit(trace)}
 
 
 def _limit(trace: ResidualTrace) -> float | None:
@@ -66,33 +66,33 @@ def experiment_figure(plan: Experiment) -> dict[str, Any]:
     """The motion above, what the rival would leave of it below, with two standard deviations of noise."""
     t, edges = plan.t[[0, -1, -1, 0]], np.array([2.0, 2.0, -2.0, -2.0])
     curves = [
-        curve(plan.t, plan.position, "motion", "ink"),
-        curve(t, edges, "noise", "between", "band", BELOW),
-        curve(plan.t, plan.left, "left", "after", below=BELOW),
+        curve_entry(plan.t, plan.position, "motion", "ink"),
+        curve_entry(t, edges, "noise", "between", "band", BELOW),
+        curve_entry(plan.t, plan.left, "left", "after", below=BELOW),
     ]
-    return figure("plan", curves, "t [s]", *plan.labels)
+    return figure_entry("plan", curves, "t [s]", *plan.labels)
 
 
 def force_figure(loop: ForceLoop) -> dict[str, Any]:
     """Force over position to the left, over speed to the right."""
     length, unit = loop.units
     curves = [
-        curve(loop.columns[k], loop.columns[row], name, tone, below=axes)
+        curve_entry(loop.columns[k], loop.columns[row], name, tone, below=axes)
         for k, axes in enumerate((None, ("x2", "y2")))
         for row, name, tone in ((2, "recorded", "ink"), (3, "as given", "before"), (4, "corrected", "after"))
     ]
     force = f"{'force' if unit == 'N' else 'torque'} [{unit}]"
-    return figure("force", curves, f"position [{length}]", f"speed [{length}/s]", force)
+    return figure_entry("force", curves, f"position [{length}]", f"speed [{length}/s]", force)
 
 
-def curve(
+def curve_entry(
     x: Array, y: Array, name: str, tone: str, look: str = "line", below: tuple[str, str] | None = None
 ) -> dict[str, Any]:
     """One curve: a colour of page.css, a look of looks.js, and its axes; None: the first ones."""
     return {"x": x, "y": y, "name": name, "colour": tone, "look": look, "below": below}
 
 
-def figure(kind: str, curves: list[dict[str, Any]], *titles: str) -> dict[str, Any]:
+def figure_entry(kind: str, curves: list[dict[str, Any]], *titles: str) -> dict[str, Any]:
     """Curves whose columns are written once each, however many curves share them, and the titles of their axes."""
     columns: list[dict[str, Any]] = []
     places: dict[int, int] = {}
@@ -101,7 +101,7 @@ def figure(kind: str, curves: list[dict[str, Any]], *titles: str) -> dict[str, A
             column = each[key]
             if id(column) not in places:
                 places[id(column)] = len(columns)
-                columns.append(packed(column, levels))
+                columns.append(packed_column(column, levels))
             each[key] = places[id(column)]
     return {"kind": kind, "columns": columns, "curves": curves, "titles": titles}
 
@@ -131,7 +131,9 @@ def motion_figures(diagnosis: Diagnosis) -> list[dict[str, Any]]:
 def _figure(trajectory: Trajectory) -> dict[str, Any]:
     """Position and torque over one time: of each the time, what was measured, and the errors of the models."""
     curves = [each for each in (trajectory.position, trajectory.torque) if each is not None]
-    columns = [c for each in curves for c in (packed(each.t, CLOCK), *map(packed, (each.measured, *each.errors)))]
+    columns = [
+        c for each in curves for c in (packed_column(each.t, CLOCK), *map(packed_column, (each.measured, *each.errors)))
+    ]
     place = {"joint": trajectory.joint, "span": _span_key(trajectory), "reach": _reach(trajectory)}
     return {"kind": "motion", **place, "columns": columns, "titles": [each.label for each in curves]}
 

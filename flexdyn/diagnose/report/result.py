@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 from flexdyn.diagnose.report import measures
 from flexdyn.diagnose.report.suspects import Considered, Finding, Structure
@@ -16,7 +16,6 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 Verdict = Literal[
     "no_discrepancy", "explained", "partly_explained", "unexplained", "untested", "not_converged", "interrupted"
 ]
-VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 
 
 @dataclass(frozen=True, repr=False)

@@ -21,22 +21,22 @@ def finding_sentences(diagnosis: Diagnosis) -> list[str]:
     for place, finding in enumerate(diagnosis.findings):
         kind = None if finding.rivals else words.kind_of(finding.suspect)
         groups.setdefault(kind or place, []).append(finding)
-    return [told("finding", diagnosis, group=group) for group in groups.values()]
+    return [filled_template("finding", diagnosis, group=group) for group in groups.values()]
 
 
 def gap_sentence(diagnosis: Diagnosis) -> str:
     """The gap in a line: on the test data where they were opened."""
-    return told("gap", diagnosis)
+    return filled_template("gap", diagnosis)
 
 
 def error_sentence(diagnosis: Diagnosis) -> str:
     """The joint whose torque the given model explains worst, before and after; empty where nothing was measured."""
     errors = [(joint, entry.torque) for joint, entry in diagnosis.errors.items()]
     errors = [each for each in errors if math.isfinite(each[1].share_before + each[1].share_after)]
-    return told("torque_error", diagnosis, errors=errors)
+    return filled_template("torque_error", diagnosis, errors=errors)
 
 
-def told(name: str, diagnosis: Diagnosis, **known: Any) -> str:
+def filled_template(name: str, diagnosis: Diagnosis, **known: Any) -> str:
     """What a template of text makes of a diagnosis.
 
     Args:
@@ -83,7 +83,7 @@ def next_measurements(diagnosis: Diagnosis) -> list[str]:
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """The verdict in a sentence or two; of many findings it names the first, of the greatest share."""
-    return told(
+    return filled_template(
         "verdict",
         diagnosis,
         firm=[finding for finding in diagnosis.findings if finding.established],

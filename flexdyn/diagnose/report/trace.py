@@ -127,7 +127,7 @@ class Trajectory:
         return Trajectory(self.joint, self.file, self.role, position, self.torque.thinned(most))
 
 
-def packed(column: ArrayLike, levels: int = 4000) -> dict[str, Any]:
+def packed_column(column: ArrayLike, levels: int = 4000) -> dict[str, Any]:
     """A column as whole numbers, each as its step from the one before, which a page holds in little room.
 
     Args:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from flexdyn.diagnose.report.digits import probability_text, relative, rounded
+from flexdyn.diagnose.report.digits import factor_text, probability_text, rounded
 from flexdyn.diagnose.report.measures import RecordingSpan
 from flexdyn.diagnose.report.suspects import Finding, Suspect
 from flexdyn.effects import registered
@@ -62,7 +62,7 @@ def suspect_phrase(model: FlexibleJointModel, suspect: Suspect) -> str:
     where = where_phrase(model, suspect)
     if is_number(suspect):
         factor = suspect.parameters.get("factor")
-        return f"a wrong {where}{'' if factor is None else f' ({relative(factor.value)})'}"
+        return f"a wrong {where}{'' if factor is None else f' ({factor_text(factor.value)})'}"
     return f"{article(effect_name(suspect.effect))}{effect_name(suspect.effect)} {where}".strip()
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.diagnose.report.document import document
-from flexdyn.diagnose.report.page import page
+from flexdyn.diagnose.report.page import report_page
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.effects import Effect
 from flexdyn.effects.model_error import is_number_error
@@ -45,7 +45,7 @@ def write_report(diagnosis: Diagnosis, folder: Path) -> None:
         raise InputError(reason, file=folder, remedy="give a folder") from None
     files, diagnosis = _model_files(diagnosis, folder)
     files[JSON] = json_text(document(diagnosis)) + "\n"
-    files[PAGE] = page(diagnosis)
+    files[PAGE] = report_page(diagnosis)
     with ExitStack() as stack:
         for name, text in files.items():
             stack.enter_context(replacing(folder / name)).write_text(text, encoding="utf-8")

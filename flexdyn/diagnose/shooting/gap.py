@@ -12,7 +12,7 @@ from flexdyn.diagnose.constants import NOISE_GAP, STRAY_SHARE
 from flexdyn.diagnose.equations.shared import same_signals
 from flexdyn.diagnose.shooting.matched import FAILED_WINDOW_SHARE, Matching, bounded_residual
 from flexdyn.diagnose.shooting.shooter import Shooter
-from flexdyn.diagnose.shooting.starts import first_states
+from flexdyn.diagnose.shooting.starts import window_starts
 from flexdyn.diagnose.shooting.whiten import Filter
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -152,7 +152,7 @@ class Shot:
         shooter = Shooter(model, self.windows)
         x0 = _fitting(self.x0, self.model, shooter)
         if x0.shape == self._moved.shape and not same_signals(self.model, model):
-            x0 = shooter.bounded(first_states(shooter).x + self._moved)
+            x0 = shooter.bounded(window_starts(shooter).x + self._moved)
         return bounded_residual(shooter, shooter.run(x0), self.used)
 
     def floor(self, seed: int = 1) -> float:
@@ -180,7 +180,7 @@ def shoot(model: FlexibleJointModel, windows: Windows, near: Array | None = None
         near: best first states of a similar model (windows, nx), for windows with large residuals.
     """
     shooter = Shooter(model, windows)
-    starts = first_states(shooter)
+    starts = window_starts(shooter)
     used = _used(shooter)
     fit = Matching(shooter, starts, used).best(near)
     x0, moved, residual, motion, filter_ = starts.x + fit.moved, fit.moved, fit.residual, fit.motion, fit.filter
@@ -225,4 +225,4 @@ def _fitting(x0: Array, model: FlexibleJointModel, shooter: Shooter) -> Array:
     """Convert first states of one model to those of another one; states that only the other has are computed by it."""
     if x0.shape[1] == shooter.size and (model.elastic == shooter.model.elastic).all():
         return x0
-    return first_states(shooter).x
+    return window_starts(shooter).x

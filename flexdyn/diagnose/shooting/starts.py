@@ -12,7 +12,7 @@ from flexdyn.analysis.jacobian import dry_velocities
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.data.sensors import corrected
+from flexdyn.diagnose.data.sensors import true_channels
 from flexdyn.diagnose.equations.motion import smoothed
 from flexdyn.diagnose.shooting.sensing import true_samples
 from flexdyn.diagnose.shooting.shooter import Shooter
@@ -52,7 +52,7 @@ class Starts:
     deflected: tuple[Array, ...] = ()
 
 
-def first_states(shooter: Shooter) -> Starts:
+def window_starts(shooter: Shooter) -> Starts:
     """First states of every window for a model.
 
     Positions and velocities come from a local cubic over the samples before and after the start. If one encoder is
@@ -228,7 +228,7 @@ def _memories(shooter: Shooter) -> tuple[Array, Array]:
 def _computed_deflection(shooter: Shooter, joint: str, k: int) -> Array | None:
     """Deflection of a joint with one encoder along a recording (samples,); None if the recording is too short."""
     model, recording = shooter.given.resolved(), shooter.windows.recordings[k]
-    data = corrected(measured(model, recording), shooter.given)
+    data = true_channels(measured(model, recording), shooter.given)
     first = Filters.of_rate(data.dt).first
     if len(data.t) <= 4 * first.half:
         return None

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from flexdyn.checks import Array, check_known
 from flexdyn.errors import InputError
-from flexdyn.records.channelmap.convert import conversions_of, stated_units, units_of, valid_unit
+from flexdyn.records.channelmap.convert import conversions_of, stated_units, undetermined_units, valid_unit
 from flexdyn.records.channelmap.couplings import couple
 from flexdyn.records.channelmap.description import TIME, ChannelMap, TimeSource, column_name
 from flexdyn.records.channelmap.expression import check_names
@@ -45,7 +45,7 @@ def apply_map(table: Table, channel_map: ChannelMap, repairs: Sequence[Repair] =
     """
     stated = stated_units(table)
     conversions = conversions_of(channel_map, stated)
-    units = units_of(channel_map, conversions)
+    units = undetermined_units(channel_map, conversions)
     raw = _Raw(table, channel_map)
     columns: dict[str, Any] = {}
     if channel_map.time.rate is None:
@@ -159,7 +159,12 @@ def undelayed(table: Table, delays: Mapping[str, float]) -> Table:
 
 
 def clocked(time: TimeSource, t: Array) -> Array:
-    """The times from the requested start, shifted."""
+    """The times from the requested start, shifted.
+
+    Args:
+        time: what the map says of the clock.
+        t: times in the file [s].
+    """
     if time.start == "zero" and len(t):
         t = t - t[0]
     return t + time.shift if time.shift else t

@@ -187,8 +187,15 @@ def stated_units(table: Table) -> dict[str, str | None]:
     return {**stated, **table.units}
 
 
-def units_of(channel_map: ChannelMap, conversions: Sequence[Conversion]) -> dict[str, str]:
+def undetermined_units(channel_map: ChannelMap, conversions: Sequence[Conversion]) -> dict[str, str]:
     """Units that the channels' names do not determine: of prismatic joints, and of channels that are no signals.
+
+    Args:
+        channel_map: of the file.
+        conversions: of its channels, in their order.
+
+    Returns:
+        Units by channel.
 
     Raises:
         InputError: a joint is prismatic by one of its units and revolute by another.

@@ -40,12 +40,20 @@ from typing import Any
 from flexdyn.checks import check_known
 from flexdyn.errors import InputError, placed, retold
 from flexdyn.io.yaml import check_format, check_keys, read_yaml
-from flexdyn.records.channelmap.convert import conversions_of, units_of
+from flexdyn.records.channelmap.convert import conversions_of, undetermined_units
 from flexdyn.records.channelmap.couplings import couplings_of
 from flexdyn.records.channelmap.description import MAP_FORMAT, Channel, ChannelMap
 from flexdyn.records.channelmap.expression import Expression, check_names, expression_of
 from flexdyn.records.channelmap.known_units import UNITS, plain_unit
-from flexdyn.records.channelmap.values import POSITIVE, as_choice, as_finite, as_source, as_text, layout_of, time_of
+from flexdyn.records.channelmap.values import (
+    POSITIVE,
+    as_choice,
+    as_finite,
+    as_text,
+    checked_column,
+    layout_of,
+    time_of,
+)
 from flexdyn.records.repairs import repairs_of
 from flexdyn.records.table import check_name
 from flexdyn.records.units import SIGNALS
@@ -105,7 +113,7 @@ def map_from_dict(content: Mapping[str, Any]) -> ChannelMap:
         _prescribed(entry.get("prescribed", []), channels, keep=keep),
     )
     _check_numbered(made)
-    units_of(made, conversions_of(made, {}))  # and again with the units in the file when they are known
+    undetermined_units(made, conversions_of(made, {}))  # and again with the units in the file when they are known
     return made
 
 
@@ -190,7 +198,7 @@ def _map_channel(name: str, entry: Any, shared: Mapping[str, Any]) -> Channel:
     if not isinstance(entry, Mapping):
         entry = {"from": entry}
     check_keys(entry, CHANNEL_KEYS, required=("from",), key=key)
-    given: dict[str, Any] = {"source": as_source(f"{key}.from", entry["from"])}
+    given: dict[str, Any] = {"source": checked_column(f"{key}.from", entry["from"])}
     for item, value in entry.items():
         if item == "unit":
             given[item] = as_text(f"{key}.unit", value)

@@ -27,8 +27,12 @@ def as_choice(key: str, value: Any, known: Collection[str]) -> str:
     return str(value)
 
 
-def as_source(key: str, value: Any) -> str | int:
+def checked_column(key: str, value: Any) -> str | int:
     """Check a column, given by name or number.
+
+    Args:
+        key: for the message.
+        value: as given.
 
     Raises:
         InputError: it is neither.
@@ -42,6 +46,10 @@ def as_source(key: str, value: Any) -> str | int:
 
 def as_text(key: str, value: Any) -> str:
     """Check for a text that is not blank.
+
+    Args:
+        key: for the message.
+        value: as given.
 
     Raises:
         InputError: it is something else.
@@ -94,7 +102,7 @@ def time_of(entry: Any) -> TimeSource:
         known = [name for name, known in UNITS.items() if known.quantity == "time"]
         check_known(unit, known, "no unit of time", key="time.unit", value=unit)
     return TimeSource(
-        as_source("time.from", entry.get("from", TIME)),
+        checked_column("time.from", entry.get("from", TIME)),
         unit,
         as_finite("time", "rate", entry["rate"], positive=True) if "rate" in entry else None,
         as_choice("time.start", entry.get("start", "keep"), ("keep", "zero")),

@@ -130,6 +130,7 @@ class Dialect:
         return block if block is None or block.shape == (len(lines), len(columns or ()) or width) else None
 
     def _loaded(self, lines: list[str], columns: Sequence[int] | None) -> Array | None:
+        """Numbers by NumPy (rows, columns); None if a cell is none."""
         delimiter = None if self.delimiter == " " else self.delimiter
         settings: dict[str, Any] = {"delimiter": delimiter, "comments": None, "ndmin": 2, "encoding": None}
         if self.stamps is not None:

@@ -26,7 +26,13 @@ _CSV_ROWS_AT_ONCE = 4096
 
 
 def write(rec: Recording, path: Path, delimiter: str = ",") -> None:
-    """Write the shortest digits that determine every double; a plain table has no meta data."""
+    """Write the shortest digits that determine every double; a plain table has no meta data.
+
+    Args:
+        rec: the recording.
+        path: of the new file.
+        delimiter: between columns.
+    """
     columns = [rec.t, *rec.channels.values()]
     with open(path, "x", encoding="utf-8", newline="\n") as stream:
         csv.writer(stream, delimiter=delimiter, lineterminator="\n").writerow(["t", *rec.channels])
@@ -39,6 +45,10 @@ def read(path: Path, request: Request) -> Table:
     """Read block by block: memory never holds the whole text, and the numbers at most one and a half times.
 
     A column that was requested by its number n is ``column n`` in the table; one requested by name has its name.
+
+    Args:
+        path: of the file.
+        request: what is wanted, and how the file is laid out.
 
     Raises:
         InputError: with line and channel.

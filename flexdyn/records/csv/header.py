@@ -30,6 +30,10 @@ class _Start:
 def header_of(blocks: Iterator[Block], request: Request) -> tuple[Header, Block]:
     """The header, and what follows it in its block.
 
+    Args:
+        blocks: of lines, from the first one on.
+        request: what is wanted, and how the file is laid out.
+
     Raises:
         InputError: no header, names that no channel can have, or a requested column that does not exist.
     """

@@ -47,6 +47,10 @@ class Header:
 def blocks_of_numbers(header: Header, blocks: Iterator[Block]) -> Iterator[Array]:
     """Yield numbers (rows, requested columns) block by block; blank lines are allowed only at the end of the file.
 
+    Args:
+        header: of the table.
+        blocks: of lines behind it.
+
     Raises:
         InputError: a line is no row of numbers; the message names it and the channel.
     """

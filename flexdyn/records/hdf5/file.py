@@ -31,7 +31,12 @@ _LONGEST_UNIT = 999
 
 
 def write(rec: Recording, path: Path) -> None:
-    """Write flat datasets ``t``, ``q.elbow``, ... in order, each with its unit, and meta as ``__meta__``."""
+    """Write flat datasets ``t``, ``q.elbow``, ... in order, each with its unit, and meta as ``__meta__``.
+
+    Args:
+        rec: the recording.
+        path: of the new file.
+    """
     h5py = library()
     with new_file(path) as file:
         for name, values in {"t": rec.t, **rec.channels}.items():
@@ -47,6 +52,10 @@ def write(rec: Recording, path: Path) -> None:
 def read(path: Path, request: Request) -> Table:
     """Call `read_here` in another process.
 
+    Args:
+        path: of the file.
+        request: what is wanted, and how the file is laid out.
+
     Raises:
         InputError: as `read_here`; the file crashes HDF5, or takes too long or too much memory.
         MissingExtra: h5py is not installed.
@@ -60,6 +69,10 @@ def read_here(path: Path, request: Request) -> Table:
 
     Without a map they are flat or grouped by signal. A map finds them anywhere, such as ``robot/arm/q``, and takes
     ``robot/arm/q[:,0]``, the first column of a two-dimensional one.
+
+    Args:
+        path: of the file.
+        request: what is wanted, and how the file is laid out.
 
     Raises:
         InputError: not an HDF5 file, truncated, links or storage outside the file, wrong types or sizes.
@@ -148,7 +161,16 @@ def _anywhere(h5py: Any, file: Any) -> Iterator[tuple[str, Any]]:
 
 
 def member(h5py: Any, group: Any, link: str) -> Any:
-    """The object of a hard link; soft and external links are refused, because they could lead anywhere."""
+    """The object of a hard link; soft and external links are refused, because they could lead anywhere.
+
+    Args:
+        h5py: the module.
+        group: that holds the link.
+        link: its name.
+
+    Raises:
+        InputError: a soft or an external link.
+    """
     if not isinstance(group.get(link, getlink=True), h5py.HardLink):
         raise InputError("a link leads out of the file", value=link, remedy="copy the linked dataset into the file")
     return group[link]
@@ -159,7 +181,13 @@ def _dataset_channel(h5py: Any, dataset: Any, link: str) -> str:
 
 
 def attribute(h5py: Any, dataset: Any, name: str) -> str | None:
-    """An attribute that is one text; empty if there is none, None if it is something else or longer than 999 bytes."""
+    """An attribute that is one text; empty if there is none, None if it is something else or longer than 999 bytes.
+
+    Args:
+        h5py: the module.
+        dataset: that has it.
+        name: of the attribute.
+    """
     if name not in dataset.attrs:
         return ""
     stored = dataset.attrs.get_id(name)
@@ -171,7 +199,15 @@ def attribute(h5py: Any, dataset: Any, name: str) -> str | None:
 
 
 def check_storage(dataset: Any, name: str) -> None:
-    """Refuse a dataset whose bytes are in other files or in chunks of more than 1 GiB."""
+    """Refuse a dataset whose bytes are in other files or in chunks of more than 1 GiB.
+
+    Args:
+        dataset: that will be read.
+        name: for the message.
+
+    Raises:
+        InputError: such a dataset.
+    """
     if dataset.is_virtual or dataset.external:
         raise InputError("the samples lie in another file", remedy="copy the samples into the file", channel=name)
     if math.prod(dataset.chunks or ()) * dataset.dtype.itemsize > _LARGEST_CHUNK:

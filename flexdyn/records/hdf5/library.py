@@ -53,6 +53,7 @@ class _Target:
         return getattr(self._at, name)
 
     def write(self, data: Any) -> int:
+        """Write all bytes; from an error of the disk on, into memory."""
         left = memoryview(data).cast("B")
         while left:
             try:

@@ -35,7 +35,12 @@ _KEYWORD = re.compile(
 
 
 def write(rec: Recording, path: Path) -> None:
-    """Write version 5, or 7.3 if a variable has 2 GB or more."""
+    """Write version 5, or 7.3 if a variable has 2 GB or more.
+
+    Args:
+        rec: the recording.
+        path: of the new file.
+    """
     places = _places(list(rec.channels))
     # The list comes first, so that a truncated file lacks a variable of the list.
     listed = json.dumps({"channels": list(places.items()), "meta": as_plain(rec.meta)})
@@ -48,7 +53,7 @@ def write(rec: Recording, path: Path) -> None:
             variables[variable] = rec.channels[name]
     columns = max((len(value) for value in variables.values() if isinstance(value, dict)), default=1)
     if rec.t.nbytes * columns >= LARGEST_V5:
-        v73.write(variables, path)
+        v73.write_v73(variables, path)
         return
     from scipy.io import savemat
 
@@ -60,6 +65,10 @@ def read(path: Path, request: Request) -> Table:
     """Read the requested columns in another process; without a map, all vectors of numbers, which are the channels.
 
     Rows count from 1, as in MATLAB.
+
+    Args:
+        path: of the file.
+        request: what is wanted, and how the file is laid out.
 
     Raises:
         InputError: not a MAT-file, truncated, an unknown column, or one without numbers; the file crashes the library

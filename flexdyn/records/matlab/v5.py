@@ -37,6 +37,10 @@ def library() -> Any:
 def read_here(path: Path, request: Request) -> Table:
     """Read the requested columns; variables that have none of them are skipped.
 
+    Args:
+        path: of the file.
+        request: what is wanted, and how the file is laid out.
+
     Raises:
         InputError: no MAT-file of version 5, truncated, a variable that is there twice, or too many numbers.
     """

@@ -26,7 +26,7 @@ _BLOCK = 512
 _LONGEST_TEXT = 2**24
 
 
-def write(variables: dict[str, Any], path: Path) -> None:
+def write_v73(variables: dict[str, Any], path: Path) -> None:
     """Write columns, structs of columns and texts as MATLAB does with ``save -v7.3``.
 
     Args:
@@ -57,6 +57,10 @@ def _write_column(group: Any, name: str, values: Array) -> None:
 
 def read_here(path: Path, request: Request) -> Table:
     """Read the requested columns, from one variable after the other.
+
+    Args:
+        path: of the file.
+        request: what is wanted, and how the file is laid out.
 
     Raises:
         InputError: not an HDF5 file, truncated, links or storage outside the file, impossible sizes.

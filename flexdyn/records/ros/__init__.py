@@ -29,14 +29,18 @@ from flexdyn.records.table import Table
 def read(path: Path, request: Request) -> Table:
     """Read the requested topics.
 
+    Args:
+        path: of the file.
+        request: what is wanted, and how the file is laid out.
+
     Raises:
         InputError: not a bag, a damaged one, no clear topic, joints that change between messages, no stamps.
         MissingExtra: rosbags is not installed.
     """
     _need_rosbags()
-    from flexdyn.records.ros.reading import read as inner
+    from flexdyn.records.ros.reading import read_bag
 
-    return inner(path, request)
+    return read_bag(path, request)
 
 
 def write(rec: Recording, path: Path, suffix: str) -> None:
@@ -54,7 +58,7 @@ def write(rec: Recording, path: Path, suffix: str) -> None:
         MissingExtra: rosbags is not installed.
     """
     _need_rosbags()
-    from flexdyn.records.ros.writing import write as inner
+    from flexdyn.records.ros.writing import write_bag as inner
 
     inner(rec, path, suffix)
 

@@ -26,7 +26,7 @@ from flexdyn.records.ros.guard import (
     unpacked,
 )
 from flexdyn.records.ros.walk import Fields, MessageLayout, lay_out
-from flexdyn.records.ros.words import check_word, listed
+from flexdyn.records.ros.words import check_word, shortened_list
 from flexdyn.records.table import damage_named
 
 _SQLITE_LIMIT_LENGTH = 0
@@ -69,7 +69,11 @@ class Bag:
     _fields: dict[str, list[Fields]] = field(default_factory=dict)
 
     def messages(self, topics: Sequence[Topic]) -> Iterator[tuple[str, int, bytes]]:
-        """Topic, time of recording [ns] and bytes of every message of some topics."""
+        """Topic, time of recording [ns] and bytes of every message of some topics.
+
+        Raises:
+            InputError: a message is not bytes, or too long; or the bag is damaged.
+        """
         for number, storage in enumerate(self.storages):
             wanted = [connection for topic in topics for connection in topic.connections.get(number, ())]
             with _errors_of_rosbags():
@@ -80,7 +84,12 @@ class Bag:
                     yield connection.topic, time, raw if self.unpack is None else self.unpack(raw)
 
     def layout(self, topic: Topic, raw: bytes) -> MessageLayout:
-        """The layout of a message; if the bag does not define its type, that of the first type that fits."""
+        """The layout of a message; if the bag does not define its type, that of the first type that fits.
+
+        Args:
+            topic: of the message.
+            raw: its bytes.
+        """
         if topic.name not in self._fields:
             connection = next(iter(topic.connections.values()))[0]
             self._fields[topic.name] = list(stored(connection.msgdef, topic.msgtype, cdr=self.cdr))
@@ -152,7 +161,7 @@ def _add_topics(bag: Bag, number: int, storage: Any) -> None:
         check_word(connection.msgtype, "message type")
         topic = bag.topics.setdefault(connection.topic, Topic(connection.topic, connection.msgtype))
         if topic.msgtype != connection.msgtype:
-            problem = f"the topic has messages of {listed((topic.msgtype, connection.msgtype))}"
+            problem = f"the topic has messages of {shortened_list((topic.msgtype, connection.msgtype))}"
             raise InputError(problem, key=topic.name, remedy="split the bag")
         topic.connections.setdefault(number, []).append(connection)
         if topic.count is not None:

@@ -44,8 +44,12 @@ _FIELDS_OF_SIGNALS: Mapping[str, tuple[tuple[str, str], ...]] = {
 """The columns of each signal; the first one that a message has is used."""
 
 
-def columns_of(layout: MessageLayout, msgtype: str) -> dict[str, MessageNumber]:
+def message_columns(layout: MessageLayout, msgtype: str) -> dict[str, MessageNumber]:
     """The numbers of a message by the name of their column.
+
+    Args:
+        layout: of the message.
+        msgtype: its type.
 
     Raises:
         InputError: a list has not the length of the list of joints, or two columns would have one name.
@@ -76,7 +80,15 @@ def stamp_of(layout: MessageLayout) -> tuple[MessageNumber, MessageNumber] | Non
 
 
 def channels_of(columns: Mapping[str, MessageNumber], msgtype: str) -> dict[str, str]:
-    """The channel of each column without a map; first the positions of all joints, then the others."""
+    """The channel of each column without a map; first the positions of all joints, then the others.
+
+    Args:
+        columns: of a message.
+        msgtype: its type.
+
+    Returns:
+        Channel by column.
+    """
     channels: dict[str, str] = {}
     for field, signal in _FIELDS_OF_SIGNALS[msgtype]:
         for name in columns:

@@ -89,6 +89,7 @@ def control_types() -> dict[str, Any]:
 
 
 def _parsed(definition: MessageDefinition, msgtype: str) -> dict[str, Any]:
+    """Types that a definition has, by name, from MSG or IDL."""
     if definition.format == MessageDefinitionFormat.MSG:
         return dict(get_types_from_msg(definition.data, msgtype))
     fields: dict[str, Any] = {}

@@ -54,7 +54,15 @@ def unpacked(data: bytes, compression: str, most: int) -> bytes:
 
 
 def unpack_file(source: Path, target: Path) -> None:
-    """Unpack a file of zstd in bounded memory, and onto bounded disk space."""
+    """Unpack a file of zstd in bounded memory, and onto bounded disk space.
+
+    Args:
+        source: packed file.
+        target: new file.
+
+    Raises:
+        InputError: it unpacks to too much.
+    """
     left = MOST_EXPANSION * source.stat().st_size
     with zstd.open(source, "rb") as packed, open(target, "xb") as plain:
         while piece := packed.read(_PIECE):
@@ -119,6 +127,9 @@ def check_index(index: Iterable[Any], chunks: dict[int, Chunk]) -> None:
     """Refuse an index (rosbags' ChunkInfo) that does not match the chunks, or with too many chunks at one time.
 
     rosbags keeps all unpacked chunks that overlap in time.
+
+    Raises:
+        InputError: such an index.
     """
     seen = set()
     events: list[tuple[int, int]] = []
@@ -146,7 +157,15 @@ class BoundedReader(Reader):  # type: ignore[misc]
         super().open()
 
     def read_index_data(self, pos: int, indexes: dict[int, list[Any]]) -> None:
-        """Read one part of the index; overlapping parts are together longer than the file."""
+        """Read one part of the index; overlapping parts are together longer than the file.
+
+        Args:
+            pos: where the part begins in the file [bytes].
+            indexes: by connection, to which it is added.
+
+        Raises:
+            InputError: the index is longer than the file.
+        """
         begin = self.bio.tell()
         super().read_index_data(pos, indexes)
         self.index_left -= self.bio.tell() - begin
@@ -154,11 +173,16 @@ class BoundedReader(Reader):  # type: ignore[misc]
             raise InputError("the index is longer than the file", remedy="the bag is damaged: rosbag reindex")
 
     def read_chunk(self) -> Any:
-        """Read a chunk's header; its data are unpacked later."""
+        """Read a chunk's header; its data are unpacked later.
+
+        Raises:
+            InputError: when unpacked, the same chunks come many times.
+        """
         chunk = super().read_chunk()
         kind = next(name for name, unpack in decompressors.items() if unpack is chunk.decompressor)
 
         def bounded(data: bytes) -> bytes:
+            """The data of a chunk, unpacked; what may still be unpacked becomes less."""
             most = min(_LARGEST_CHUNK, self.plain_left)
             plain = unpacked(data, kind, most) if kind in _UNPACK else data
             self.plain_left -= len(plain)

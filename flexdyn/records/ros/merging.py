@@ -38,6 +38,10 @@ def merged(every: Sequence[Series], request: Request) -> Merged:
     That topic is ``source.topic``, else the only topic of joint states, else the one with the most messages. Samples at
     which another topic has no data (before its first message, after its last one, or in a gap) are left out.
 
+    Args:
+        every: columns of each topic with its stamps.
+        request: what is wanted, and how the file is laid out.
+
     Raises:
         InputError: topics without common times, or stamps of a topic that do not increase.
     """
@@ -83,6 +87,7 @@ def _put(series: Series, values: Array, stamps: Integers, zero: int, merge: str)
 
 
 def _sentence(series: Series, base: Series, stamps: Integers, merge: str) -> str:
+    """What was done to the times of a topic, for the user."""
     how = "as its last message said" if merge == "hold" else "on straight lines between its messages"
     apart = 1e3 * seconds(to_nearest(series.stamps, stamps), 0)
     return (

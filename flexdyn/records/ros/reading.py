@@ -18,7 +18,7 @@ from flexdyn.records.ros.clock import YEAR, seconds
 from flexdyn.records.ros.columns import CONVENTIONAL, is_own
 from flexdyn.records.ros.merging import merged
 from flexdyn.records.ros.series import Conventional, Series, Wanted
-from flexdyn.records.ros.words import listed, near
+from flexdyn.records.ros.words import nearest_name, shortened_list
 from flexdyn.records.table import Rows, Table
 
 META_TOPIC = "/flexdyn/meta"
@@ -27,8 +27,16 @@ META_TOPIC = "/flexdyn/meta"
 TEXT_MESSAGE = "std_msgs/msg/String"
 
 
-def read(path: Path, request: Request) -> Table:
-    """Read the requested topics; see the package's docstring."""
+def read_bag(path: Path, request: Request) -> Table:
+    """Read the requested topics; see the package's docstring.
+
+    Args:
+        path: of the bag.
+        request: what is wanted, and how the file is laid out.
+
+    Raises:
+        InputError: as in the package's docstring.
+    """
     check_known(request.layout.clock, CLOCKS, "no such clock", key="source.clock", value=request.layout.clock)
     with opened(path) as bag:
         own = _own(bag, request)
@@ -104,7 +112,7 @@ def _topic(bag: Bag, request: Request) -> str:
         able = [topic.name for topic in filled]
     if len(able) == 1:
         return able[0]
-    types = listed(f"{topic.name} ({topic.msgtype})" for topic in bag.topics.values()) or "none"
+    types = shortened_list(f"{topic.name} ({topic.msgtype})" for topic in bag.topics.values()) or "none"
     if able:
         states = [topic.name for topic in filled if topic.msgtype.endswith("/JointState") and topic.name in able]
         together = f", or name the fields of several, such as {_together(*states[:2])}" if len(states) > 1 else ""
@@ -112,7 +120,7 @@ def _topic(bag: Bag, request: Request) -> str:
         remedy = f"choose one in a channel map, source: {{topic: ...}}, others: keep{together}; there are "
     else:
         problem, remedy = "no topic of joint states", "name topic and columns in a channel map; there are "
-    raise InputError(problem, remedy=remedy + (listed(able) if able else types))
+    raise InputError(problem, remedy=remedy + (shortened_list(able) if able else types))
 
 
 def _together(first: str, second: str) -> str:
@@ -125,7 +133,7 @@ def _together(first: str, second: str) -> str:
 
 def _known(bag: Bag, name: str) -> str:
     if name not in bag.topics:
-        raise InputError("the bag has no such topic", key=name, remedy=near(name, bag.topics))
+        raise InputError("the bag has no such topic", key=name, remedy=nearest_name(name, bag.topics))
     if bag.topics[name].count == 0:
         raise InputError("the topic has no messages", key=name, remedy="choose another topic")
     return name

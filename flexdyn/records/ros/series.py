@@ -13,9 +13,9 @@ from flexdyn.errors import InputError
 from flexdyn.records.bounds import check_size
 from flexdyn.records.ros.bag import Bag, Topic
 from flexdyn.records.ros.clock import NANO, Integers
-from flexdyn.records.ros.columns import channels_of, columns_of, own_channels, stamp_of
+from flexdyn.records.ros.columns import channels_of, message_columns, own_channels, stamp_of
 from flexdyn.records.ros.walk import Bytes, MessageLayout, MessageNumber
-from flexdyn.records.ros.words import listed, near
+from flexdyn.records.ros.words import nearest_name, shortened_list
 
 _TWO_PUBLISHERS = "several publishers share the topic: name the channels of one group of joints in a channel map"
 _BAG_CLOCK = "take the time of recording: source: {clock: bag} in a channel map"
@@ -37,12 +37,12 @@ class Conventional:
         if self.names is None:
             self.names = frozenset(channels)
             if not channels:
-                remedy = "name columns in a channel map; there are " + (listed(columns) or "none")
+                remedy = "name columns in a channel map; there are " + (shortened_list(columns) or "none")
                 raise InputError("the topic has no channels of joints", key=self.topic, remedy=remedy)
         missing, new = sorted(self.names - set(channels)), sorted(set(channels) - self.names)
         if missing or new:
             verb, other = ("lacks", "has") if missing else ("has", "lacks")
-            problem = f"message {row} {verb} {listed(missing or new)}, which the first {other}"
+            problem = f"message {row} {verb} {shortened_list(missing or new)}, which the first {other}"
             raise InputError(problem, key=self.topic, remedy=_TWO_PUBLISHERS, row=row, channel=(missing or new)[0])
         return {channel: columns[name] for name, channel in channels.items()}
 
@@ -66,16 +66,20 @@ class Wanted:
         if len(missing) == len(self.names):
             return None
         if missing:
-            alike = near(missing[0], columns)
+            alike = nearest_name(missing[0], columns)
             problem = f"message {row} of {self.topic} has no such column, but has other requested ones"
             raise InputError(problem, remedy=f"{alike} if {_TWO_PUBLISHERS}", row=row, channel=missing[0])
         self.found.update(self.names)
         return {out: columns[name] for name, out in self.names.items()}
 
     def check(self) -> None:
-        """Refuse columns that no message had."""
+        """Refuse columns that no message had.
+
+        Raises:
+            InputError: the topic has no such column.
+        """
         if missing := [name for name in self.names if name not in self.found]:
-            problem, remedy = f"the topic {self.topic} has no such column", near(missing[0], self.known)
+            problem, remedy = f"the topic {self.topic} has no such column", nearest_name(missing[0], self.known)
             raise InputError(problem, remedy=remedy, channel=missing[0])
 
 
@@ -101,7 +105,12 @@ class Series:
         self._bytes = 0
 
     def add(self, time: int, raw: bytes) -> bool:
-        """Take one message; True if a block was processed."""
+        """Take one message; True if a block was processed.
+
+        Args:
+            time: of recording [ns].
+            raw: bytes of the message.
+        """
         self._times.append(time)
         self._raws.append(raw)
         self._bytes += len(raw)
@@ -111,7 +120,11 @@ class Series:
         return True
 
     def flush(self) -> None:
-        """Process the collected messages."""
+        """Process the collected messages.
+
+        Raises:
+            InputError: more messages than the index announces, or one of another form than its type has.
+        """
         raws, times = self._raws, self._times
         self._raws, self._times, self._bytes = [], [], 0
         if not raws:
@@ -144,7 +157,11 @@ class Series:
         self.seen += len(raws)
 
     def finish(self) -> None:
-        """Process the rest and release the memory that was not needed."""
+        """Process the rest and release the memory that was not needed.
+
+        Raises:
+            InputError: a requested column is missing, or every stamp is zero.
+        """
         self.flush()
         self.pick.check()
         if self.filled < len(self.stamps):
@@ -162,7 +179,7 @@ class Series:
         return np.array(times, np.int64)
 
     def _picked(self, layout: MessageLayout, row: int) -> dict[str, MessageNumber] | None:
-        numbers = self.pick(columns_of(layout, self.msgtype), self.seen + row)
+        numbers = self.pick(message_columns(layout, self.msgtype), self.seen + row)
         if numbers is not None and not self.columns:
             check_size(8 * self.count * (len(numbers) + 1), self._bag.size)
             self.columns = {name: np.empty(self.count) for name in numbers}
@@ -183,6 +200,7 @@ class Series:
         return values
 
     def _append(self, values: Array, stamps: Integers, keep: Flags) -> None:
+        """Store the samples that are kept."""
         if not keep.any():
             return
         end = self.filled + int(keep.sum())

@@ -25,13 +25,18 @@ def check_word(name: str, what: str) -> None:
         raise InputError(problem, value=name[:_SHOWN], remedy="the file is damaged")
 
 
-def listed(names: Iterable[str]) -> str:
+def shortened_list(names: Iterable[str]) -> str:
     """The first of some names, each cut to a length that fits into a line."""
     return errors.listed((name[:_SHOWN] for name in names), _LISTED)
 
 
-def near(word: str, known: Iterable[str]) -> str:
-    """The most similar name, if there is one, else the first of the existing names."""
+def nearest_name(word: str, known: Iterable[str]) -> str:
+    """The most similar name, if there is one, else the first of the existing names.
+
+    Args:
+        word: that is not known.
+        known: all names.
+    """
     every = list(known)
     found = did_you_mean(word, every)
-    return found if found.startswith("did") else f"known: {listed(every)}"
+    return found if found.startswith("did") else f"known: {shortened_list(every)}"

@@ -26,7 +26,7 @@ from flexdyn.records.ros.columns import (
     FIELDS,
     JOINT_STATE,
     OWN_TOPICS,
-    columns_of,
+    message_columns,
     stamp_of,
 )
 from flexdyn.records.ros.definitions import control_types
@@ -47,8 +47,14 @@ class Group:
     channels: dict[str, str]
 
 
-def write(rec: Recording, path: Path, suffix: str) -> None:
-    """Write a bag; see the package's docstring."""
+def write_bag(rec: Recording, path: Path, suffix: str) -> None:
+    """Write a bag; see the package's docstring.
+
+    Args:
+        rec: the recording.
+        path: of the new file.
+        suffix: ``.bag``, ``.mcap`` or ``.db3``.
+    """
     stamps, zero = _stamps(rec)
     channels = list(rec.channels)
     note = as_json({"zero_ns": zero, "channels": channels, "meta": as_plain(rec.meta)})
@@ -167,7 +173,7 @@ def _block(rec: Recording, group: Group, raw: bytes, stamps: Integers, some: sli
     if seconds is not None and nanos is not None:
         seconds.put(block, stamps // NANO)
         nanos.put(block, stamps % NANO)
-    numbers = columns_of(layout, group.msgtype)
+    numbers = message_columns(layout, group.msgtype)
     for column, channel in group.channels.items():
         numbers[column].put(block, (rec.t if channel == "t" else rec[channel])[some])
     return block

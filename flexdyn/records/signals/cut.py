@@ -36,7 +36,7 @@ def trimmed(rec: Recording, start: float | None = None, end: float | None = None
         problem = f"{max(0, int(high - low))} samples lie from {first:g} to {last:g} s"
         remedy = f"the recording runs from {float(rec.t[0]):g} to {float(rec.t[-1]):g} s"
         raise InputError(problem, key="end" if start is None else "start", remedy=remedy)
-    return rows_of(rec, int(low), int(high))
+    return samples_between(rec, int(low), int(high))
 
 
 def split(rec: Recording, *, at: Sequence[float] | None = None, gaps: float | None = None) -> tuple[Recording, ...]:
@@ -62,12 +62,12 @@ def split(rec: Recording, *, at: Sequence[float] | None = None, gaps: float | No
             if rows[i + 1] - rows[i] < 2:
                 value, remedy = times[min(i, len(times) - 1)], "every piece needs two samples or more"
                 raise InputError("the split leaves a piece too short", key="at", value=value, remedy=remedy)
-        return tuple(rows_of(rec, low, high) for low, high in pairwise(rows))
+        return tuple(samples_between(rec, low, high) for low, high in pairwise(rows))
     remedy = "give seconds greater than 0"
     longest = number("gaps", gaps, "not a length of time", above=0.0, infinite=True, remedy=remedy)
     ends = np.flatnonzero(np.diff(rec.t) > longest) + 1
     rows = [0, *(int(end) for end in ends), len(rec)]
-    pieces = tuple(rows_of(rec, low, high) for low, high in pairwise(rows) if high - low >= 2)
+    pieces = tuple(samples_between(rec, low, high) for low, high in pairwise(rows) if high - low >= 2)
     if not pieces:
         raise InputError("every piece would have one sample", key="gaps", value=gaps, remedy="give a longer gap")
     return pieces
@@ -101,8 +101,14 @@ def shifted(rec: Recording, seconds: float | Mapping[str, float]) -> Recording:
     return made(rec, columns)
 
 
-def rows_of(rec: Recording, low: int, high: int) -> Recording:
-    """The samples from one row to before another."""
+def samples_between(rec: Recording, low: int, high: int) -> Recording:
+    """The samples from one row to before another.
+
+    Args:
+        rec: the recording.
+        low: first row.
+        high: row behind the last one.
+    """
     return made(rec, {"t": rec.t[low:high], **{name: values[low:high] for name, values in rec.channels.items()}})
 
 
@@ -112,7 +118,13 @@ def with_channels(rec: Recording, channels: Mapping[str, Array]) -> Recording:
 
 
 def made(rec: Recording, columns: Mapping[str, Array], *, meta: bool = True) -> Recording:
-    """A recording of the same kind with other samples."""
+    """A recording of the same kind with other samples.
+
+    Args:
+        rec: that gives kind, name and meta data.
+        columns: ``t`` and the channels.
+        meta: whether the meta data stay.
+    """
     copies = {name: np.array(values, float) for name, values in columns.items()}
     return type(rec).from_table(Table(copies, as_plain(rec.meta) if meta else {}), rec.name)
 

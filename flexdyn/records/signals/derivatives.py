@@ -67,6 +67,9 @@ class Derivatives(Locked):
         Args:
             channel: one of those in `noise`.
             order: ``"value"``, ``"first"`` or ``"second"``.
+
+        Raises:
+            InputError: the noise of the channel was not requested.
         """
         if channel not in self.noise:
             raise InputError("the noise of the channel was not requested", key=channel, remedy="name it in channels=")
@@ -120,7 +123,7 @@ def derivatives(
     return Derivatives(rec, smoother, noise)
 
 
-def smoothed(rec: Recording, smoother: Smoother) -> Recording:
+def smoothed_channels(rec: Recording, smoother: Smoother) -> Recording:
     """Smooth every channel with one filter, at the times that it covers; torques are taken as held between samples.
 
     Args:

@@ -43,7 +43,7 @@ def gaps_of(t: Array) -> tuple[tuple[float, float], ...]:
     return tuple((float(t[row]), float(t[row + 1])) for row in gap_rows(t))
 
 
-def told(t: Array) -> str:
+def gaps_text(t: Array) -> str:
     """The text about gaps when a file is read; empty if there are none."""
     found = gaps_of(t)
     if not found:
