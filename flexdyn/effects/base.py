@@ -176,12 +176,17 @@ class Effect(Traits):
 
     @classmethod
     def unknowable(cls) -> tuple[str, ...]:
-        """Parameters that a model file may call unknown: sizes of its torque that are 0 or more.
+        """Parameters that a model file may call unknown: those that a diagnosis would find if the effect were missing.
 
-        A diagnosis starts a size near 0. Of another parameter, and of a size of either sign, nothing says where.
+        A number in which the torque is linear starts near 0, of another one the values of `tried` are compared.
         """
-        lower = {entry.name: entry.metadata["lower"] for entry in cls.parameters()}
-        return tuple(name for name in cls.uncertain() if name in cls.linear and lower[name] == 0.0)
+        tried = bool(cls.axes or cls.linear_bounds)
+        return tuple(name for name in cls.uncertain() if name in cls.linear or (tried and not cls.is_kept(name)))
+
+    @classmethod
+    def is_kept(cls, name: str) -> bool:
+        """Whether no fit moves a parameter of the effect where it is missing: it has its default, or one of few values."""
+        return name in cls.unproposed or bool(cls.declared(name)["chosen"])
 
     def parts(self) -> tuple[Effect, ...]:
         """What it is in the plant: one effect for each law of the core that it has."""

@@ -1,6 +1,6 @@
 """Absolute tolerances that stand beside numbers of motors, links and effects, as the relative ones of the model.
 
-An unknown number is 0, or what the URDF says, and has an infinite tolerance.
+An unknown number is a placeholder, or what the URDF says, and has an infinite tolerance.
 """
 
 from __future__ import annotations
@@ -113,11 +113,16 @@ def _effect(i: int, entry: Any, stated: Paths) -> Any:
     for name in (field.name for field in kind.parameters() if field.name in entry):
         key = f"effects[{i}].{name}"
         if isinstance(entry[name], str) and entry[name] == UNKNOWN and name in kind.unknowable():
-            found[name], stated[key] = 0.0, math.inf
+            found[name], stated[key] = placeholder(kind, name), math.inf
         elif number := _number(entry[name], key, "leave the effect out: a diagnosis finds it, with its numbers"):
             _check_estimated(kind, name, key)
             found[name], stated[key] = number.value, _checked_share(number, key)
     return found
+
+
+def placeholder(kind: type[Effect], name: str) -> float:
+    """What an effect holds for an unknown number: 0, or the least number above it where 0 is not allowed."""
+    return math.ulp(0.0) if kind.declared(name)["strict"] else 0.0
 
 
 def unknown_parameters(tolerance: Any, effects: Sequence[Effect]) -> list[tuple[int, str]]:
@@ -125,7 +130,7 @@ def unknown_parameters(tolerance: Any, effects: Sequence[Effect]) -> list[tuple[
 
     Args:
         tolerance: of the model.
-        effects: of the model, which hold 0 for an unknown number.
+        effects: of the model, which hold a `placeholder` for an unknown number.
     """
     if not isinstance(tolerance, Mapping):
         return []
@@ -133,7 +138,8 @@ def unknown_parameters(tolerance: Any, effects: Sequence[Effect]) -> list[tuple[
         (i, name)
         for i, effect in enumerate(effects)
         for name in effect.unknowable()
-        if tolerance.get(f"effects[{i}].{name}") == math.inf and getattr(effect, name) == 0.0
+        if tolerance.get(f"effects[{i}].{name}") == math.inf
+        and getattr(effect, name) == placeholder(type(effect), name)
     ]
 
 

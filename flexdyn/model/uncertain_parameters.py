@@ -33,6 +33,7 @@ class FileNumber:
         value: as given.
         tolerance: how well it is known, relative, 1 sigma; an absolute tolerance is divided by the value.
         joint: the joint that it belongs to; None for a number of a link.
+        signed: whether it may have either sign, so that its factor may be negative.
     """
 
     of: str
@@ -40,6 +41,7 @@ class FileNumber:
     value: float
     tolerance: float
     joint: str | None
+    signed: bool = False
 
     @property
     def is_open(self) -> bool:
@@ -105,7 +107,8 @@ def _of_effects(model: FlexibleJointModel) -> Iterable[FileNumber]:
         for name in effect.uncertain():
             place = f"effects[{i}]"
             tolerance = _tolerance(model, f"{place}.{name}")
-            yield FileNumber(place, name, getattr(effect, name), tolerance, getattr(effect, "joint", None))
+            signed = effect.declared(name)["lower"] < 0.0
+            yield FileNumber(place, name, getattr(effect, name), tolerance, getattr(effect, "joint", None), signed)
 
 
 def _share_or(given: GivenNumber, otherwise: float) -> float:

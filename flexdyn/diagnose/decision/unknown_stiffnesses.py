@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.decision.unknown_laws import without_unknown
 from flexdyn.diagnose.equations.compliance import of_compliance
 from flexdyn.diagnose.equations.layout import TRANSMISSION
 from flexdyn.diagnose.hypothesis.fitted import Workspace
@@ -49,7 +50,7 @@ def with_stiffnesses(
     """
     unknown = [name for name, joint in model.joints.items() if joint.given("stiffness").is_unknown]
     seen = [name for name in unknown if data[0].both[model.index(name)]]
-    compliances = _compliances(model, unknown, seen, data) if seen else {}
+    compliances = _compliances(without_unknown(model), unknown, seen, data) if seen else {}
     first: dict[str, object] = {}
     notes = []
     for name in unknown:
@@ -76,7 +77,7 @@ def _compliances(
     """Compliance of joints with both encoders, its standard deviation, and the power of what it does over the noise's.
 
     Args:
-        model: as given.
+        model: as given, without effects that have unknown numbers.
         unknown: joints of unknown stiffness.
         seen: those of them that have both encoders.
         data: of the fit.
@@ -110,7 +111,7 @@ def _regression(space: Workspace, y: np.ndarray, X: np.ndarray, sigma: np.ndarra
 
 
 def _taken_for_rigid(model: FlexibleJointModel, joints: Sequence[str]) -> FlexibleJointModel:
-    """The model with these joints rigid, without the effects that need their springs or that are unknown."""
+    """The model with these joints rigid, without the effects that need their springs."""
     true = model.resolved()
     kept = [
         each

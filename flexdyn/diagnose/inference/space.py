@@ -118,8 +118,9 @@ class Space:
 
     @lazy
     def loose(self) -> tuple[int, ...]:
-        """Numbers of the file whose prior reaches below zero: their places."""
-        return tuple(k for k, n in enumerate(self.library.start.factors) if n.tolerance * NEGATIVE_SIGMAS > 1.0)
+        """Positive numbers of the file whose prior reaches below zero: their places."""
+        numbers = enumerate(self.library.start.factors)
+        return tuple(k for k, n in numbers if n.tolerance * NEGATIVE_SIGMAS > 1.0 and not n.signed)
 
     def log_large(self, structure: Structure, own: Estimate) -> float:
         """Log probability that every effect is large enough to be one: the prior leaves out negligible sizes."""
@@ -132,7 +133,7 @@ class Space:
             if number is not None:  # a mass, a stiffness, a level: its factor is positive
                 mean, spread = float(own.mean[here][0]), float(np.sqrt(own.covariance[here, here][0, 0]))
                 factor = self.library.start.factors[number] + mean
-                total += float(log_ndtr(factor / max(spread, 1e-12)))
+                total += 0.0 if number.signed else float(log_ndtr(factor / max(spread, 1e-12)))
                 continue
             if matrix.gained[columns[0]] > 0.0:
                 # The rows are in applied torque: those of recorded torque have the density of (1 + gain) times as much.

@@ -32,7 +32,7 @@ def estimate(model: FlexibleJointModel, entry: Calibration) -> Number:
         entry: its factor.
     """
     value, unit = given_number(model, entry.of, entry.parameter)
-    return Number(entry.factor * value, entry.std * value, unit)
+    return Number(entry.factor * value, entry.std * abs(value), unit)
 
 
 def given_number(model: FlexibleJointModel, of: str, parameter: str) -> tuple[float, str]:
