@@ -178,14 +178,18 @@ class Effect(Traits):
     def unknowable(cls) -> tuple[str, ...]:
         """Parameters that a model file may call unknown: those that a diagnosis would find if the effect were missing.
 
-        A number in which the torque is linear starts near 0, of another one the values of `tried` are compared.
+        A number in which the torque is linear starts near 0, of another one the values of `tried` are compared. None
+        of what scales or bends the recorded torque, in which all else is measured: there a wide prior makes the fit
+        wrong, see docs/diagnosis_equations.md.
         """
+        if cls.scales_torque or cls.of_recorded_torque:
+            return ()
         tried = bool(cls.axes or cls.linear_bounds)
         return tuple(name for name in cls.uncertain() if name in cls.linear or (tried and not cls.is_kept(name)))
 
     @classmethod
     def is_kept(cls, name: str) -> bool:
-        """Whether no fit moves a parameter of the effect where it is missing: it has its default, or one of few values."""
+        """Whether no fit moves a parameter of a missing effect: it keeps its default or is one of a few values."""
         return name in cls.unproposed or bool(cls.declared(name)["chosen"])
 
     def parts(self) -> tuple[Effect, ...]:

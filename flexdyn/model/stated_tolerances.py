@@ -21,6 +21,8 @@ SAME_MASS = 1e-6
 EFFECT_PATH = re.compile(r"effects\[(\d+)\](\..*)")
 """Path of a parameter of an effect, by the effect's place in the list."""
 WRITE_NUMBER = "write the number alone"
+NOBODY_GIVES = 1e-150
+"""What stands for an unknown number that must be above 0."""
 Paths = dict[str, float]
 
 
@@ -71,13 +73,18 @@ def _joint(joints: Any, name: str, entry: Mapping[str, Any], stated: Paths, name
     place, found = "actuator.dc_motor", dict(actuator["dc_motor"])
     for key, given in actuator["dc_motor"].items():
         path = f"joints.{name}.{place}.{key}"
-        if number := _number(given, path, "write the value of the data sheet with a wide tolerance"):
+        if isinstance(given, str) and given == UNKNOWN and key in OF_MOTOR:
+            number = GivenNumber(NOBODY_GIVES, math.inf)
+        else:
+            number = _number(given, path, WRITE_NUMBER)
+        if number is not None:
             if key not in OF_MOTOR:
                 raise InputError("no diagnosis estimates this number", key=path, remedy=WRITE_NUMBER)
             found[key] = number.value
             bare = [each for each in names if each not in joints or "actuator" not in _keys(joints[each])]
             for each in bare if name == "*" else [name]:
-                stated[f"joints.{each}.{place}.{key}"] = _checked_share(number, path)
+                share = math.inf if number.is_unknown else _checked_share(number, path)
+                stated[f"joints.{each}.{place}.{key}"] = share
     return {**entry, "actuator": {**actuator, "dc_motor": found}}
 
 
@@ -121,8 +128,8 @@ def _effect(i: int, entry: Any, stated: Paths) -> Any:
 
 
 def placeholder(kind: type[Effect], name: str) -> float:
-    """What an effect holds for an unknown number: 0, or the least number above it where 0 is not allowed."""
-    return math.ulp(0.0) if kind.declared(name)["strict"] else 0.0
+    """What an effect holds for an unknown number."""
+    return NOBODY_GIVES if kind.declared(name)["strict"] else 0.0
 
 
 def unknown_parameters(tolerance: Any, effects: Sequence[Effect]) -> list[tuple[int, str]]:
@@ -140,6 +147,24 @@ def unknown_parameters(tolerance: Any, effects: Sequence[Effect]) -> list[tuple[
         for name in effect.unknowable()
         if tolerance.get(f"effects[{i}].{name}") == math.inf
         and getattr(effect, name) == placeholder(type(effect), name)
+    ]
+
+
+def unknown_of_motors(tolerance: Any, joints: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Joints, each with the name of a number of its motor that is unknown.
+
+    Args:
+        tolerance: of the model.
+        joints: its drives by name, which hold a placeholder for an unknown number.
+    """
+    if not isinstance(tolerance, Mapping):
+        return []
+    motors = ((name, joint.actuator.dc_motor) for name, joint in joints.items() if joint.actuator is not None)
+    return [
+        (name, key)
+        for name, motor in motors
+        for key in OF_MOTOR
+        if tolerance.get(f"joints.{name}.actuator.dc_motor.{key}") == math.inf and getattr(motor, key) == NOBODY_GIVES
     ]
 
 

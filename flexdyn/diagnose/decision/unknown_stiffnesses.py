@@ -82,7 +82,7 @@ def _compliances(
         seen: those of them that have both encoders.
         data: of the fit.
     """
-    bare, noise, start = prepared(with_guesses(_taken_for_rigid(model, unknown)), data)
+    bare, noise, start = prepared(with_guesses(taken_for_rigid(model, unknown)), data)
     space, at = weighed(bare, noise), [model.index(name) for name in seen]
     slopes = space.whiten(np.column_stack([of_compliance(bare.equations, j) for j in at]))
     sigma = [max(number.tolerance, 1e-9) for number in start.factors] + [math.inf] * len(seen)
@@ -110,7 +110,7 @@ def _regression(space: Workspace, y: np.ndarray, X: np.ndarray, sigma: np.ndarra
     return Regression(y / row, X / row[:, None], np.zeros(len(sigma)), sigma, space.rows, space.nuisance.shape[1])
 
 
-def _taken_for_rigid(model: FlexibleJointModel, joints: Sequence[str]) -> FlexibleJointModel:
+def taken_for_rigid(model: FlexibleJointModel, joints: Sequence[str]) -> FlexibleJointModel:
     """The model with these joints rigid, without the effects that need their springs."""
     true = model.resolved()
     kept = [
