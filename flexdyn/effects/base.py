@@ -178,14 +178,14 @@ class Effect(Traits):
     def unknowable(cls) -> tuple[str, ...]:
         """Parameters that a model file may call unknown: those that a diagnosis would find if the effect were missing.
 
-        A number in which the torque is linear starts near 0, of another one the values of `tried` are compared. None
+        A number in which the torque is linear starts near 0, of another one the values of `axes` are compared. None
         of what scales or bends the recorded torque, in which all else is measured: there a wide prior makes the fit
         wrong, see docs/diagnosis_equations.md.
         """
         if cls.scales_torque or cls.of_recorded_torque:
             return ()
-        tried = bool(cls.axes or cls.linear_bounds)
-        return tuple(name for name in cls.uncertain() if name in cls.linear or (tried and not cls.is_kept(name)))
+        shaped = () if not cls.axes else tuple(name for name in cls.uncertain() if not cls.is_kept(name))
+        return tuple(name for name in cls.uncertain() if name in (*cls.linear, *shaped))
 
     @classmethod
     def is_kept(cls, name: str) -> bool:

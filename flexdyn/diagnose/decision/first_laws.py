@@ -67,16 +67,15 @@ def _told(
 ) -> tuple[Effect, dict[str, float]]:
     """An effect with its first values, and the widths of its priors."""
     own, others = chosen[i], [each for k, each in chosen.items() if k != i]
-    alternatives = [compared.left(each, *others) for each in tried]
-    worst = max(alternatives if own.acts else [*alternatives, compared.left(*others)])
+    every = [compared.left(*others)] if own.unknown.may_be_none else [compared.left(each, *others) for each in tried]
     made = compared.effect(own, others)
-    if made is None or 0.5 * (worst - compared.left(own, *others)) < WORTHWHILE_GAIN:
+    if made is None or 0.5 * (max(every) - compared.left(own, *others)) < WORTHWHILE_GAIN:
         raise _untold(i, own.unknown)
-    every = [each for each in (compared.effect(one, others) for one in tried) if each is not None]
+    laws = [each for each in (compared.effect(one, others) for one in tried) if each is not None]
     widths = {}
     for name in own.unknown.names:
         if name not in made.linear:
-            largest = max(abs(getattr(each, name)) for each in every if math.isfinite(getattr(each, name)))
+            largest = max(abs(getattr(each, name)) for each in laws if math.isfinite(getattr(each, name)))
             widths[name] = UNKNOWN_TOLERANCE * max(largest, math.pi if made.declared(name)["around"] else 0.0)
     return made, widths
 

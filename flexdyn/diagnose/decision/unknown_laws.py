@@ -57,6 +57,11 @@ class Unknown:
         effects = ((i, model.effects[i]) for i in names)
         return {i: cls(effect, names[i]) for i, effect in effects if isinstance(effect, JointEffect)}
 
+    @property
+    def may_be_none(self) -> bool:
+        """Whether no known number says that there is such an effect at all."""
+        return set(self.effect.neutral) <= set(self.names)
+
     def proposal(self, equations: Equations) -> Proposal:
         """What its class tries along the motion, with the known numbers of the axes."""
         effect, kind = self.effect, type(self.effect)
@@ -86,7 +91,7 @@ class Unknown:
         units = [] if proposal.fixed else [each for each, own in zip(proposal.units(point), free, strict=True) if own]
         rows = [of_effect(equations, self._with_known(effect), size) for effect, size in units]
         white = whiten(np.column_stack([held, *rows]))
-        return Choice(self, proposal, point, white[:, 0], white[:, 1:], tuple(np.flatnonzero(free)), any(known))
+        return Choice(self, proposal, point, white[:, 0], white[:, 1:], tuple(np.flatnonzero(free)))
 
     def _with_known(self, made: Effect) -> Effect:
         """An effect of the proposal with the known ones of the numbers that a proposal leaves at their default."""
@@ -105,7 +110,6 @@ class Choice:
         held: what its known numbers do to the white residual (rows,).
         rows: what its unknown linear numbers do (rows, numbers).
         free: places of these among all linear numbers.
-        acts: whether it does something whatever its unknown linear numbers are.
     """
 
     unknown: Unknown
@@ -114,7 +118,6 @@ class Choice:
     held: Array
     rows: Array
     free: tuple[int, ...]
-    acts: bool
 
     def effect(self, x: Array) -> Effect | None:
         """With the values of its unknown linear numbers; None: there is no such effect, or no value to start from."""
