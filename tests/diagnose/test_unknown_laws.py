@@ -1,4 +1,4 @@
-"""Signed and nonlinear numbers of effects that nobody knows are estimated, or refused where the data do not tell them."""
+"""Signed and nonlinear numbers of effects that nobody knows are estimated, or refused where data do not tell them."""
 
 from __future__ import annotations
 
