@@ -73,11 +73,8 @@ def _joint(joints: Any, name: str, entry: Mapping[str, Any], stated: Paths, name
     place, found = "actuator.dc_motor", dict(actuator["dc_motor"])
     for key, given in actuator["dc_motor"].items():
         path = f"joints.{name}.{place}.{key}"
-        if isinstance(given, str) and given == UNKNOWN and key in OF_MOTOR:
-            number = GivenNumber(NOBODY_GIVES, math.inf)
-        else:
-            number = _number(given, path, WRITE_NUMBER)
-        if number is not None:
+        nobody = isinstance(given, str) and given == UNKNOWN and key in OF_MOTOR
+        if number := GivenNumber(NOBODY_GIVES, math.inf) if nobody else _number(given, path, WRITE_NUMBER):
             if key not in OF_MOTOR:
                 raise InputError("no diagnosis estimates this number", key=path, remedy=WRITE_NUMBER)
             found[key] = number.value

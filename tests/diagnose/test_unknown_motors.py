@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +48,7 @@ def driven(command: str, coefficient: float, level: float) -> fd.Recording:
 def arm(folder: Path, motor: dict[str, Any], **joint: Any) -> fd.FlexibleJointModel:
     """Its model without friction, of which numbers of the motor are unknown."""
     made: fd.FlexibleJointModel = model(folder, gravity=9.81, motor={"supply": SUPPLY, **motor}, **joint)
+    assert isinstance(made.tolerance, Mapping)
     return made.replace(tolerance={**made.tolerance, "*": 0.03})
 
 
@@ -61,8 +63,9 @@ def test_one_number_of_a_motor(tmp_path: Path, command: str, number: str, true: 
     words = f"The {number.replace('_', ' ')} of swing was not known: it is estimated as"
     assert any(note.startswith(words) for note in found.notes)
     found.save(tmp_path / "answer")
-    motor = fd.load_model(tmp_path / "answer" / "model.yaml").joints["swing"].actuator.dc_motor
-    assert getattr(motor, number) == pytest.approx(value)
+    drive = fd.load_model(tmp_path / "answer" / "model.yaml").joints["swing"].actuator
+    assert drive is not None
+    assert getattr(drive.dc_motor, number) == pytest.approx(value)
 
 
 def test_a_motor_that_turns_the_other_way(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +21,7 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
-from flexdyn.effects import Effect, registered
+from flexdyn.effects import Effect, effect_from_dict, registered
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.given_number import UNKNOWN
@@ -59,10 +59,10 @@ def first_laws(model: FlexibleJointModel, unknown: Mapping[int, Unknown], data: 
                 raise _untold(i, unknown[i])
             chosen[i] = min(allowed, key=lambda each: compared.left(each, *chosen.values()))
         compared = compared.weighted(tuple(chosen.values()))
-    return {i: _told(i, chosen, choices[i], compared) for i in unknown}
+    return {i: _begun_with(i, chosen, choices[i], compared) for i in unknown}
 
 
-def _told(
+def _begun_with(
     i: int, chosen: Mapping[int, Choice], tried: Sequence[Choice], compared: _Comparison
 ) -> tuple[Effect, dict[str, float]]:
     """An effect with its first values, and the widths of its priors."""
@@ -125,7 +125,7 @@ class _Comparison:
         """Sum of squares."""
         return self._made(chosen).chi2
 
-    def effect(self, own: Choice, others: Sequence[Choice]) -> Effect | None:
+    def effect(self, own: Choice, others: Iterable[Choice]) -> Effect | None:
         """A choice with its best linear numbers; None: it has none."""
         first = self.X.shape[1]
         return own.effect(self._made([own, *others]).values[first : first + len(own.free)])
@@ -145,7 +145,7 @@ def _of_every_motor(equations: Equations) -> list[Effect]:
     """Friction that every motor has, of unit size, at every joint."""
     kinds = [each for each in registered().values() if each.prevalence == "everywhere" and each.regressed]
     return [
-        kind(joint, side="motor", **dict.fromkeys(kind.linear, 1.0))
+        effect_from_dict({"effect": kind.name, "joint": joint, "side": "motor", **dict.fromkeys(kind.linear, 1.0)})
         for joint in equations.true.joint_names
         for kind in kinds
     ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -41,24 +41,27 @@ def with_motors(model: FlexibleJointModel, recordings: Sequence[Recording]) -> F
     """
     unknown = unknown_of_motors(model.tolerance, model.joints)
     names = [name for name, _ in unknown]
-    tolerance, joints = dict(model.tolerance) if unknown else {}, {}
+    if not unknown or not isinstance(model.tolerance, Mapping):
+        return model
+    tolerance, joints = dict(model.tolerance), {}
     for name, number in unknown:
         key = f"joints.{name}.actuator.dc_motor.{number}"
         if names.count(name) > 1:
             remedy = "give one of the two numbers, with its tolerance: viscous friction looks like a change of both"
             raise InputError("torque constant and resistance are both unknown", key=key, value=UNKNOWN, remedy=remedy)
-        joint = model.joints[name]
+        joint, drive = model.joints[name], model.joints[name].actuator
+        assert drive is not None  # noqa: S101 - see `unknown_of_motors`
         slope, std = _volts_per_torque(model, names, recordings, name)
         slope *= np.sign(joint.gear_ratio)
         if not slope > CERTAIN_SIGMAS * std:
             remedy = "give it with a tolerance, or record a motion that takes more torque"
             raise InputError("these data do not tell it", key=key, value=UNKNOWN, remedy=remedy)
-        motor, ratio = joint.actuator.dc_motor, abs(joint.gear_ratio)
+        motor, ratio = drive.dc_motor, abs(joint.gear_ratio)
         of_resistance = number == "resistance"
         first = slope * ratio * motor.torque_constant if of_resistance else motor.resistance / (slope * ratio)
-        joints[name] = {"actuator": joint.actuator.changed(**{number: first})}
+        joints[name] = {"actuator": drive.changed(**{number: first})}
         tolerance[key] = UNKNOWN_TOLERANCE
-    return model.replace(joints=joints, tolerance=tolerance) if unknown else model
+    return model.replace(joints=joints, tolerance=tolerance)
 
 
 def _volts_per_torque(

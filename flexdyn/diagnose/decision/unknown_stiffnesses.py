@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flexdyn.diagnose.constants import SHOWN_DEFLECTION
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.decision.unknown_laws import without_unknown
 from flexdyn.diagnose.equations.compliance import of_compliance
@@ -23,8 +24,6 @@ from flexdyn.model.stated_tolerances import known_tolerances
 
 STIFFNESS_SPREAD = 100.0
 """Spread of an unknown stiffness, as a share of its first value [1]."""
-SHOWN_DEFLECTION = 10.0
-"""Power of the rows of a deflection over that of their noise from which the noise is small in the slope by K [1]."""
 WEIGHTINGS = 4
 """Number of times that the equations are weighted by what the last regression left."""
 
