@@ -96,3 +96,26 @@ def test_a_motor_that_hardly_works(tmp_path: Path) -> None:
     words = r"^joints.swing.actuator.dc_motor.resistance: these data do not tell it, got 'unknown'; give it with a tol"
     with pytest.raises(fd.InputError, match=words):
         fd.diagnose(flywheel, [steady], progress=False)
+
+
+def test_a_torque_constant_is_not_called_wrong_beside_an_unknown_resistance(tmp_path: Path) -> None:
+    """Its tolerance is taken for right: a change of both numbers is the same as the viscous friction of this elbow."""
+    motor = {"torque_constant": 0.05, "resistance": 2.0, "supply": 48.0}
+    drive = {"stiffness": 900.0, "damping": 1.5, "rotor_inertia": 4e-5, "gear_ratio": 50.0}
+    t = np.arange(3000) / RATE
+    volts = np.stack([12.0 * np.sin(1.3 * t) + 3.0 * np.sin(9.3 * t), 8.0 * np.sin(1.7 * t) + 3.0 * np.sin(11.0 * t)])
+    asked = {f"voltage.{joint}": each for joint, each in zip(("shoulder", "elbow"), volts, strict=True)}
+    given = fd.load_model("scara_two_link").replace(
+        joints={"*": {**drive, "actuator": {"dc_motor": motor}}}, effects=[], tolerance=0.03
+    )
+    rubbing = fd.effects.ViscousFriction("elbow", side="motor", coefficient=3.0)
+    run = fd.simulate(given.replace(effects=[rubbing]), fd.Recording(t, asked), rate=RATE)
+    seen, noise = run.to_recording(), np.random.default_rng(0)
+    channels = [f"{signal}.{joint}" for signal in ("q", "theta") for joint in given.joint_names]
+    noisy = {name: seen[name] + noise.normal(0.0, 5e-6, len(run.t)) for name in channels}
+    record = fd.Recording(run.t, noisy | {name: each[: len(run.t)] for name, each in asked.items()})
+    lacking = given.replace(joints={"elbow": {"actuator": {"dc_motor": {**motor, "resistance": "unknown"}}}})
+    found = fd.diagnose(lacking, [record], progress=False)
+    assert [(each.suspect.effect, each.suspect.joint) for each in found.findings] == [("viscous_friction", "elbow")]
+    value, std = unknown(found)["resistance"]
+    assert abs(value - 2.0) < 2.0 * std < 0.15 * 2.0

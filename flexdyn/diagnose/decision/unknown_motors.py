@@ -79,7 +79,7 @@ def _volts_per_torque(
     in_volts = {each: dataclasses.replace(drive, torque_per_volt=1.0) for each, drive in drives.items() if drive}
     volts = model.replace(joints={each: {"actuator": drive} for each, drive in in_volts.items()})
     bare = volts.replace(joints={each: {"actuator": None} for each in unknown})
-    bare = with_guesses(taken_for_rigid(without_unknown(bare), [name]))
+    bare = with_guesses(taken_for_rigid(without_unknown(bare), unknown))
     data = tuple(measured(bare, with_asked_torque(volts, each)) for each in recordings)
     equations, j = Equations(bare, data, Filters.of_rate(data[0].dt)), model.index(name)
     rows = equations.filters.rows
