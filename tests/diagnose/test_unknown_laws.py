@@ -19,6 +19,8 @@ COULOMB = {"effect": "coulomb_friction", "joint": "lift", "side": "motor"}
 STRIBECK = {"effect": "stribeck_friction", "joint": "lift", "side": "motor"}
 SPRING = {"effect": "parallel_spring", "joint": "lift"}
 RIPPLE = {"effect": "torque_ripple", "joint": "lift", "harmonic": 20.0}
+UNEVEN = {"effect": "position_dependent_friction", "joint": "lift", "side": "motor", "harmonic": 3.0}
+DIRECTED = {"effect": "asymmetric_viscous_friction", "joint": "lift", "side": "motor"}
 BACKLASH = {"effect": "backlash", "joint": "lift"}
 ROTOR, LOAD, STIFFNESS, DAMPING = 0.8, 2.5, 3000.0, 8.0
 Force = Callable[[float, float, float], float]
@@ -94,11 +96,23 @@ CASES: dict[str, tuple[list[dict[str, Any]], Force, list[str], dict[str, float]]
         [],
         {"amplitude": 1.5, "phase": -0.7},
     ),
+    "friction that comes and goes": (
+        [{**COULOMB, "level": "unknown"}, {**UNEVEN, "amplitude": "unknown", "phase": "unknown"}],
+        lambda force, x, v: force - (4.0 + math.sin(3.0 * x + 0.9)) * sign(v),
+        [],
+        {"level": 3.0, "amplitude": 1.0, "phase": 0.9},
+    ),
+    "a coefficient for each direction": (
+        [{**DIRECTED, "coefficient_positive": "unknown", "coefficient_negative": "unknown"}],
+        lambda force, _x, v: force - (5.0 if v > 0.0 else 2.0) * v,
+        [],
+        {"coefficient_positive": 5.0, "coefficient_negative": 2.0},
+    ),
 }
 
 
 @pytest.mark.parametrize(("effects", "acting", "names", "truth"), CASES.values(), ids=CASES.keys())
-def test_a_number_in_which_the_torque_is_not_linear(
+def test_numbers_of_a_law(
     tmp_path: Path, effects: Any, acting: Force, names: list[str], truth: dict[str, float]
 ) -> None:
     """Each against equations that are written here, beside what the file lacks."""
