@@ -87,6 +87,9 @@ LEFT_TORQUE_SHARE = 0.01
 REST_SIGMAS = 2.0 * CERTAIN_SIGMAS
 """A joint rests if the range of its position is below this number of standard deviations of its encoder's noise [1]:
 in about a hundred samples, noise alone has a range of five or six."""
+SHOWN_DEFLECTION = CERTAIN_SIGMAS**2
+"""Power of a deflection over that of its noise from which both encoders tell an unknown stiffness [1]: chance does not
+reach `CERTAIN_SIGMAS`, and the noise is 4 % of the slope by K, less than `NOISE_LEVEL_ERROR`."""
 FREED_TOLERANCES = 10.0 * FREED_WIDTH
 """`FREED_WIDTH` in tolerances, where the tolerance itself is wider: ten tolerances are nothing special then."""
 UBIQUITOUS_BETA = (PLACE_BETA[1], PLACE_BETA[0])

@@ -176,12 +176,21 @@ class Effect(Traits):
 
     @classmethod
     def unknowable(cls) -> tuple[str, ...]:
-        """Parameters that a model file may call unknown: sizes of its torque that are 0 or more.
+        """Parameters that a model file may call unknown: those that a diagnosis would find if the effect were missing.
 
-        A diagnosis starts a size near 0. Of another parameter, and of a size of either sign, nothing says where.
+        A number in which the torque is linear starts near 0, of another one the values of `axes` are compared. None
+        of what scales or bends the recorded torque, in which all else is measured: there a wide prior makes the fit
+        wrong, see docs/diagnosis_equations.md.
         """
-        lower = {entry.name: entry.metadata["lower"] for entry in cls.parameters()}
-        return tuple(name for name in cls.uncertain() if name in cls.linear and lower[name] == 0.0)
+        if cls.scales_torque or cls.of_recorded_torque:
+            return ()
+        shaped = () if not cls.axes else tuple(name for name in cls.uncertain() if not cls.is_kept(name))
+        return tuple(name for name in cls.uncertain() if name in (*cls.linear, *shaped))
+
+    @classmethod
+    def is_kept(cls, name: str) -> bool:
+        """Whether no fit moves a parameter of a missing effect: it keeps its default or is one of a few values."""
+        return name in cls.unproposed or bool(cls.declared(name)["chosen"])
 
     def parts(self) -> tuple[Effect, ...]:
         """What it is in the plant: one effect for each law of the core that it has."""

@@ -23,7 +23,7 @@ class ParameterError(Effect):
     Args:
         of: name of the joint or link, or ``effects[i]``, counting the model's own effects from 0.
         parameter: name of the number.
-        factor: above 0 [1].
+        factor: above 0; below it only for a number of an effect that may have either sign [1].
     """
 
     stage = "model"
@@ -34,7 +34,7 @@ class ParameterError(Effect):
 
     of: str = dataclasses.field(kw_only=False)
     parameter: str
-    factor: float = parameters.parameter("1", lower=0.0, strict=True)
+    factor: float = parameters.parameter("1")
 
     def __post_init__(self) -> None:
         """Check the factor, and that the names are names."""
@@ -43,6 +43,8 @@ class ParameterError(Effect):
             value = getattr(self, key)
             if not isinstance(value, str) or not value:
                 raise InputError("a name is needed", key=f"{self.name}.{key}", value=value)
+        if self.factor == 0.0 or (self.factor < 0.0 and effect_place(self.of) is None):
+            raise InputError("it must be above 0 [1]", key=f"{self.name}.factor", value=self.factor)
 
     @classmethod
     def _example_place(cls, joint: str, other: str) -> dict[str, Any]:

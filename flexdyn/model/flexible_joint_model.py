@@ -27,7 +27,13 @@ from flexdyn.model.setting_checks import (
     one_of,
     tolerance_checked,
 )
-from flexdyn.model.stated_tolerances import kept_tolerances, unknown_masses, unknown_parameters, with_stated_tolerances
+from flexdyn.model.stated_tolerances import (
+    kept_tolerances,
+    unknown_masses,
+    unknown_of_motors,
+    unknown_parameters,
+    with_stated_tolerances,
+)
 from flexdyn.model.summary import as_card
 from flexdyn.model.urdf_dynamics import urdf_effects
 from flexdyn.robot import Robot
@@ -37,6 +43,8 @@ UNITS = {
     "rotor_inertia": ("kg m^2 on the motor side", "kg m^2 on the motor side"),
     "stiffness": ("N m/rad", "N/m"),
     "damping": ("N m s/rad", "N s/m"),
+    "torque_constant": ("N m/A", "N m/A"),
+    "resistance": ("ohm", "ohm"),
 }
 """Of a joint's numbers that may be unknown, where it turns and where it slides."""
 
@@ -246,6 +254,8 @@ class FlexibleJointModel(Public):
             for number in ("rotor_inertia", *(["stiffness", "damping"] if self.elastic[self.index(name)] else [])):
                 if joint.given(number).is_unknown:
                     raise refusal(f"joints.{name}.{number}", UNITS[number][slides])
+        for name, number in unknown_of_motors(self.tolerance, self.joints):
+            raise refusal(f"joints.{name}.actuator.dc_motor.{number}", UNITS[number][0])
         for name in unknown_links(self.links):
             raise refusal(f"links.{name}.inertia", "kg m^2")
         for name in unknown_masses(self.tolerance, self.robot.frame_names):

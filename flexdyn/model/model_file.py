@@ -17,7 +17,7 @@ from flexdyn.io.yaml import check_format, check_keys, dump_yaml, parse_yaml, rea
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.given_number import UNKNOWN, links_entry
 from flexdyn.model.setting_checks import check_tolerance_paths
-from flexdyn.model.stated_tolerances import known_tolerances, unknown_masses, unknown_parameters
+from flexdyn.model.stated_tolerances import known_tolerances, unknown_masses, unknown_of_motors, unknown_parameters
 from flexdyn.records import Recording
 from flexdyn.robot import Robot, load_robot, robot_names
 from flexdyn.robot.axes import plain_axes
@@ -131,6 +131,9 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
         robot["axes"] = plain_axes(model.robot.axes)
     robot |= {"urdf_dynamics": model.urdf_dynamics, "rotor_coupling": model.rotor_coupling}
     effects, links = [effect.to_dict() for effect in model.effects], links_entry(model.links)
+    joints = {name: joint.to_dict() for name, joint in model.joints.items()}
+    for name, number in unknown_of_motors(model.tolerance, model.joints):
+        joints[name]["actuator"]["dc_motor"][number] = UNKNOWN
     for i, name in unknown_parameters(model.tolerance, model.effects):
         effects[i][name] = UNKNOWN
     for link in unknown_masses(model.tolerance, model.robot.frame_names):
@@ -138,7 +141,7 @@ def model_to_dict(model: FlexibleJointModel, folder: Path | None = None) -> dict
     content = {
         "flexdyn": MODEL_FORMAT,
         "robot": robot,
-        "joints": {name: joint.to_dict() for name, joint in model.joints.items()},
+        "joints": joints,
         "initial": {signal: dict(values) for signal, values in model.initial.items()},
         "tolerance": known_tolerances(model.tolerance),
         "effects": effects,

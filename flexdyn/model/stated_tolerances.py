@@ -1,6 +1,6 @@
 """Absolute tolerances that stand beside numbers of motors, links and effects, as the relative ones of the model.
 
-An unknown number is 0, or what the URDF says, and has an infinite tolerance.
+An unknown number is a placeholder, or what the URDF says, and has an infinite tolerance.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ SAME_MASS = 1e-6
 EFFECT_PATH = re.compile(r"effects\[(\d+)\](\..*)")
 """Path of a parameter of an effect, by the effect's place in the list."""
 WRITE_NUMBER = "write the number alone"
+NOBODY_GIVES = 1e-150
+"""What stands for an unknown number that must be above 0."""
 Paths = dict[str, float]
 
 
@@ -71,13 +73,15 @@ def _joint(joints: Any, name: str, entry: Mapping[str, Any], stated: Paths, name
     place, found = "actuator.dc_motor", dict(actuator["dc_motor"])
     for key, given in actuator["dc_motor"].items():
         path = f"joints.{name}.{place}.{key}"
-        if number := _number(given, path, "write the value of the data sheet with a wide tolerance"):
+        nobody = isinstance(given, str) and given == UNKNOWN and key in OF_MOTOR
+        if number := GivenNumber(NOBODY_GIVES, math.inf) if nobody else _number(given, path, WRITE_NUMBER):
             if key not in OF_MOTOR:
                 raise InputError("no diagnosis estimates this number", key=path, remedy=WRITE_NUMBER)
             found[key] = number.value
             bare = [each for each in names if each not in joints or "actuator" not in _keys(joints[each])]
             for each in bare if name == "*" else [name]:
-                stated[f"joints.{each}.{place}.{key}"] = _checked_share(number, path)
+                share = math.inf if number.is_unknown else _checked_share(number, path)
+                stated[f"joints.{each}.{place}.{key}"] = share
     return {**entry, "actuator": {**actuator, "dc_motor": found}}
 
 
@@ -113,11 +117,21 @@ def _effect(i: int, entry: Any, stated: Paths) -> Any:
     for name in (field.name for field in kind.parameters() if field.name in entry):
         key = f"effects[{i}].{name}"
         if isinstance(entry[name], str) and entry[name] == UNKNOWN and name in kind.unknowable():
-            found[name], stated[key] = 0.0, math.inf
+            found[name], stated[key] = placeholder(kind, name), math.inf
         elif number := _number(entry[name], key, "leave the effect out: a diagnosis finds it, with its numbers"):
             _check_estimated(kind, name, key)
             found[name], stated[key] = number.value, _checked_share(number, key)
     return found
+
+
+def placeholder(kind: type[Effect], name: str) -> float:
+    """What an effect holds for an unknown number, in its unit.
+
+    Args:
+        kind: class of the effect.
+        name: of the parameter.
+    """
+    return NOBODY_GIVES if kind.declared(name)["strict"] else 0.0
 
 
 def unknown_parameters(tolerance: Any, effects: Sequence[Effect]) -> list[tuple[int, str]]:
@@ -125,7 +139,7 @@ def unknown_parameters(tolerance: Any, effects: Sequence[Effect]) -> list[tuple[
 
     Args:
         tolerance: of the model.
-        effects: of the model, which hold 0 for an unknown number.
+        effects: of the model, which hold a `placeholder` for an unknown number.
     """
     if not isinstance(tolerance, Mapping):
         return []
@@ -133,7 +147,26 @@ def unknown_parameters(tolerance: Any, effects: Sequence[Effect]) -> list[tuple[
         (i, name)
         for i, effect in enumerate(effects)
         for name in effect.unknowable()
-        if tolerance.get(f"effects[{i}].{name}") == math.inf and getattr(effect, name) == 0.0
+        if tolerance.get(f"effects[{i}].{name}") == math.inf
+        and getattr(effect, name) == placeholder(type(effect), name)
+    ]
+
+
+def unknown_of_motors(tolerance: Any, joints: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Joints, each with the name of a number of its motor that is unknown.
+
+    Args:
+        tolerance: of the model.
+        joints: its drives by name, which hold a placeholder for an unknown number.
+    """
+    if not isinstance(tolerance, Mapping):
+        return []
+    motors = ((name, joint.actuator.dc_motor) for name, joint in joints.items() if joint.actuator is not None)
+    return [
+        (name, key)
+        for name, motor in motors
+        for key in OF_MOTOR
+        if tolerance.get(f"joints.{name}.actuator.dc_motor.{key}") == math.inf and getattr(motor, key) == NOBODY_GIVES
     ]
 
 

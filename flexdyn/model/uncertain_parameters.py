@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,6 +33,9 @@ class FileNumber:
         value: as given.
         tolerance: how well it is known, relative, 1 sigma; an absolute tolerance is divided by the value.
         joint: the joint that it belongs to; None for a number of a link.
+        signed: whether it may have either sign, so that its factor may be negative.
+        trusted: whether its tolerance is taken for right. Where a motor's other number was unknown, a change of both is
+            the same as viscous friction.
     """
 
     of: str
@@ -40,6 +43,8 @@ class FileNumber:
     value: float
     tolerance: float
     joint: str | None
+    signed: bool = False
+    trusted: bool = False
 
     @property
     def is_open(self) -> bool:
@@ -77,9 +82,12 @@ def _of_joints(model: FlexibleJointModel) -> Iterable[FileNumber]:
             given = joint.given(parameter)
             yield FileNumber(name, parameter, given.value, _share_or(given, tolerance), name)
         motor = None if joint.actuator is None else joint.actuator.dc_motor
+        found = []
         for parameter in () if motor is None else OF_MOTOR:
             tolerance = _tolerance(model, *(f"joints.{each}.actuator.dc_motor.{parameter}" for each in (name, "*")))
-            yield FileNumber(name, parameter, getattr(motor, parameter), tolerance, name)
+            found.append(FileNumber(name, parameter, getattr(motor, parameter), tolerance, name))
+        open_ = any(each.is_open for each in found)
+        yield from (replace(each, trusted=open_ and not each.is_open) for each in found)
 
 
 def _of_links(model: FlexibleJointModel) -> Iterable[FileNumber]:
@@ -105,7 +113,8 @@ def _of_effects(model: FlexibleJointModel) -> Iterable[FileNumber]:
         for name in effect.uncertain():
             place = f"effects[{i}]"
             tolerance = _tolerance(model, f"{place}.{name}")
-            yield FileNumber(place, name, getattr(effect, name), tolerance, getattr(effect, "joint", None))
+            signed = effect.declared(name)["lower"] < 0.0
+            yield FileNumber(place, name, getattr(effect, name), tolerance, getattr(effect, "joint", None), signed)
 
 
 def _share_or(given: GivenNumber, otherwise: float) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.starts import window_starts
 from flexdyn.diagnose.shooting.windows import Windows
 from tests.arms import two_link
+from tests.diagnose import slides
 from tests.diagnose.truths import ARM, Levels, two_link_recording
 
 Array = NDArray[np.float64]
@@ -232,3 +234,22 @@ def test_a_few_stray_windows_do_not_outvote_the_rest() -> None:
     assert few.is_mostly_noise()
     assert not more.is_mostly_noise()
     assert more.is_noise()  # the median window says nothing of it
+
+
+def test_a_warm_up_goes_on_in_the_test_data(tmp_path: Path) -> None:
+    """The last fifth of a recording is tested at its own time; the model is right, and the simulation says so."""
+    steps = iter(range(10**9))
+
+    def acting(force: float, _x: float, v: float) -> float:
+        sample, part = divmod(next(steps), 32)
+        t = (sample + (part // 4 + (0.0, 0.5, 0.5, 1.0)[part % 4]) / 8.0) / slides.RATE
+        return force - (1.0 + 2.0 * math.exp(-t / 4.0)) * v
+
+    t = np.arange(6000) / slides.RATE
+    record = slides.pushed(t, 30.0 * np.sin(2.1 * t + 0.3) + 22.0 * np.sin(5.3 * t), acting)
+    warm = fd.effects.WarmUpFriction("lift", side="motor", coefficient=2.0, time_constant=4.0)
+    viscous = fd.effects.ViscousFriction("lift", side="motor", coefficient=1.0)
+    found = fd.diagnose(slides.model(tmp_path, [warm, viscous]), [record], progress=False)
+    assert found.verdict == "no_discrepancy"
+    assert found.gap_test is not None
+    assert found.gap_test.before < 1.5

@@ -125,8 +125,8 @@ def test_numbers_of_motors_effects_and_masses_have_absolute_tolerances_too(tmp_p
     ("changes", "words"),
     [
         (
-            {"joints": {"hinge": {"actuator": {"dc_motor": {"torque_constant": "unknown", "resistance": 2.0}}}}},
-            "joints.hinge.actuator.dc_motor.torque_constant: this number cannot be unknown, got 'unknown'; write the",
+            {"joints": {"hinge": {"actuator": {"dc_motor": {"supply": "unknown"}}}}},
+            "joints.hinge.actuator.dc_motor.supply: this number cannot be unknown, got 'unknown'; write the number",
         ),
         (
             {"joints": {"hinge": {"actuator": {"dc_motor": {"supply": {"value": 24, "tolerance": 1}}}}}},
@@ -137,12 +137,16 @@ def test_numbers_of_motors_effects_and_masses_have_absolute_tolerances_too(tmp_p
             "effects[0].offset: a tolerance here is a share of the value, got 0.0; give a value other than 0, or leave",
         ),
         (
-            {"effects": [{"effect": "torque_offset", "joint": "hinge", "offset": "unknown"}]},
-            "effects[0].offset: this number cannot be unknown, got 'unknown'; leave the effect out: a diagnosis finds",
+            {"effects": [{"effect": "torque_constant_error", "joint": "hinge", "gain": "unknown"}]},
+            "effects[0].gain: this number cannot be unknown, got 'unknown'; leave the effect out: a diagnosis finds",
         ),
         (
-            {"effects": [STRIBECK | {"excess": 1.0, "velocity": "unknown"}]},
-            "effects[0].velocity: this number cannot be unknown, got 'unknown'; leave the effect out: a",
+            {"effects": [{"effect": "torque_saturation", "joint": "hinge", "scale": "unknown"}]},
+            "effects[0].scale: this number cannot be unknown, got 'unknown'; leave the effect out: a",
+        ),
+        (
+            {"effects": [{"effect": "torque_ripple", "joint": "hinge", "harmonic": "unknown"}]},
+            "effects[0].harmonic: this number cannot be unknown, got 'unknown'; leave the effect out: a",
         ),
         (
             {"effects": [{"effect": "payload", "mass": {"value": 1.0, "tolerance": 0.2}}]},
@@ -180,6 +184,28 @@ def test_unknown_sizes_and_masses_are_written_and_refused(tmp_path: Path) -> Non
     known = told.replace(effects=[model.effects[0], model.effects[1].replace(level=0.5)])
     assert fd.simulate(known, duration=0.1).q.shape == (101, 1)
     assert {each.parameter: each.tolerance for each in file_numbers(known)}["level"] == 0.05
+
+
+def test_unknown_numbers_of_either_sign_of_shapes_and_of_motors(tmp_path: Path) -> None:
+    """Likewise; the placeholders are not in the file."""
+    offset = {"effect": "torque_offset", "joint": "hinge", "offset": "unknown"}
+    effects = [STRIBECK | {"excess": 2.0, "velocity": "unknown"}, offset]
+    motor = {"torque_constant": 0.05, "resistance": "unknown"}
+    drive = {"rotor_inertia": 0.1, "actuator": {"dc_motor": motor}}
+    for joint in ("hinge", "*"):
+        model = rod(tmp_path, {joint: drive}, effects=effects)
+        fd.save_model(model, tmp_path / "model.yaml")
+        text = (tmp_path / "model.yaml").read_text(encoding="utf-8")
+        assert [f"{key}: unknown" in text for key in ("velocity", "offset", "resistance")] == [True] * 3
+        assert "e-1" not in text
+        assert fd.load_model(tmp_path / "model.yaml").replace(name=model.name) == model == repickled(model)
+    with pytest.raises(
+        fd.InputError, match=r"^joints.hinge.actuator.dc_motor.resistance: the number is .*write it in ohm"
+    ):
+        fd.simulate(model, duration=0.1)
+    told = model.replace(joints={"hinge": {"actuator": {"dc_motor": {"torque_constant": 0.05, "resistance": 2.0}}}})
+    with pytest.raises(fd.InputError, match=r"^effects\[0\].velocity: the number is unknown.*; write it in rad/s, or"):
+        fd.simulate(told, duration=0.1)
 
 
 def test_a_file_says_unknown_and_not_an_infinite_tolerance(tmp_path: Path) -> None:

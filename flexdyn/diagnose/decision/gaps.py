@@ -97,7 +97,8 @@ def windows_of(
     if are_prescribed(parts):
         return None
     try:
-        cut = Windows.of(model, [each.recording for each in parts], noise)
+        since = [float(each.data.t[0]) for each in parts]
+        cut = Windows.of(model, [each.recording for each in parts], noise, since=since)
     except InputError:
         return None
     return cut if most is None else cut.thinned(most)

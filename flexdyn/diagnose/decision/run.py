@@ -12,6 +12,7 @@ from flexdyn.diagnose.data.rate import advice, at_needed_rates
 from flexdyn.diagnose.data.windings import with_inductance, with_lagging_current, without_inductance
 from flexdyn.diagnose.decision.background import Progress, display_of, in_background
 from flexdyn.diagnose.decision.split import Recordings, checked_blocks, parts, without_blocks
+from flexdyn.diagnose.decision.unknown_motors import with_motors
 from flexdyn.diagnose.decision.unknown_sizes import with_sizes
 from flexdyn.diagnose.decision.unknown_stiffnesses import with_stiffnesses
 from flexdyn.diagnose.equations.sanity import check_recordings
@@ -125,6 +126,7 @@ def _diagnosed(
 
     tell(STAGES[0], 0.0)
     given = model
+    model = with_motors(model, fit)
     fit, check = (
         [with_lagging_current(model, with_asked_torque(model, each)) for each in some] for some in (fit, check)
     )

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flexdyn.diagnose.constants import SHOWN_DEFLECTION
 from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.decision.unknown_laws import without_unknown
 from flexdyn.diagnose.equations.compliance import of_compliance
 from flexdyn.diagnose.equations.layout import TRANSMISSION
 from flexdyn.diagnose.hypothesis.fitted import Workspace
@@ -22,8 +24,6 @@ from flexdyn.model.stated_tolerances import known_tolerances
 
 STIFFNESS_SPREAD = 100.0
 """Spread of an unknown stiffness, as a share of its first value [1]."""
-SHOWN_DEFLECTION = 10.0
-"""Power of the rows of a deflection over that of their noise from which the noise is small in the slope by K [1]."""
 WEIGHTINGS = 4
 """Number of times that the equations are weighted by what the last regression left."""
 
@@ -49,7 +49,7 @@ def with_stiffnesses(
     """
     unknown = [name for name, joint in model.joints.items() if joint.given("stiffness").is_unknown]
     seen = [name for name in unknown if data[0].both[model.index(name)]]
-    compliances = _compliances(model, unknown, seen, data) if seen else {}
+    compliances = _compliances(without_unknown(model), unknown, seen, data) if seen else {}
     first: dict[str, object] = {}
     notes = []
     for name in unknown:
@@ -76,12 +76,12 @@ def _compliances(
     """Compliance of joints with both encoders, its standard deviation, and the power of what it does over the noise's.
 
     Args:
-        model: as given.
+        model: as given, without effects that have unknown numbers.
         unknown: joints of unknown stiffness.
         seen: those of them that have both encoders.
         data: of the fit.
     """
-    bare, noise, start = prepared(with_guesses(_taken_for_rigid(model, unknown)), data)
+    bare, noise, start = prepared(with_guesses(taken_for_rigid(model, unknown)), data)
     space, at = weighed(bare, noise), [model.index(name) for name in seen]
     slopes = space.whiten(np.column_stack([of_compliance(bare.equations, j) for j in at]))
     sigma = [max(number.tolerance, 1e-9) for number in start.factors] + [math.inf] * len(seen)
@@ -109,8 +109,8 @@ def _regression(space: Workspace, y: np.ndarray, X: np.ndarray, sigma: np.ndarra
     return Regression(y / row, X / row[:, None], np.zeros(len(sigma)), sigma, space.rows, space.nuisance.shape[1])
 
 
-def _taken_for_rigid(model: FlexibleJointModel, joints: Sequence[str]) -> FlexibleJointModel:
-    """The model with these joints rigid, without the effects that need their springs or that are unknown."""
+def taken_for_rigid(model: FlexibleJointModel, joints: Sequence[str]) -> FlexibleJointModel:
+    """The model with these joints rigid, without the effects that need their springs."""
     true = model.resolved()
     kept = [
         each

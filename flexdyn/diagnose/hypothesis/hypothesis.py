@@ -77,10 +77,15 @@ def count_of(channel: str, offset: float) -> SensorOffset:
     return SensorOffset(channel, offset=offset)
 
 
+def least_factor(number: FileNumber) -> float:
+    """Smallest factor of a number of the file: none of a number that may have either sign."""
+    return -math.inf if number.signed else LEAST_FACTOR
+
+
 def moved(hypothesis: Hypothesis, step: Array, scales: tuple[float, ...]) -> Hypothesis:
     """The hypothesis after a step of its numbers; bounds are respected."""
     pairs = zip(hypothesis.factors.items(), step, strict=False)
-    factors = {n: max(f + float(dx), LEAST_FACTOR) for (n, f), dx in pairs}
+    factors = {n: max(f + float(dx), least_factor(n)) for (n, f), dx in pairs}
     changes: dict[Effect, dict[str, float]] = {}
     for (effect, name), dx, scale in zip(hypothesis.unknowns(), step[len(factors) :], scales, strict=False):
         changes.setdefault(effect, {})[name] = bounded(effect, name, float(dx) * scale)

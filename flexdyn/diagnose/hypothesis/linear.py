@@ -12,7 +12,7 @@ from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
-from flexdyn.diagnose.hypothesis.hypothesis import LEAST_FACTOR, STEP_ROUNDING, Hypothesis, bounded
+from flexdyn.diagnose.hypothesis.hypothesis import STEP_ROUNDING, Hypothesis, bounded, least_factor
 from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.diagnose.parallel import SILENT, in_parallel
 from flexdyn.effects import Effect, SensorEffect
@@ -109,7 +109,8 @@ def _at_bounds(hypothesis: Hypothesis, regression: Regression, scales: tuple[flo
     """Columns of the numbers and unknowns at a bound that would leave it."""
     first = len(hypothesis.factors)
     wanted = regression.values[first : first + len(scales)] * np.array(scales)
-    held = [k for k, f in enumerate(hypothesis.factors.values()) if f <= LEAST_FACTOR and regression.values[k] < 0.0]
+    pairs = enumerate(hypothesis.factors.items())
+    held = [k for k, (n, f) in pairs if f <= least_factor(n) and regression.values[k] < 0.0]
     for k, ((effect, name), dx) in enumerate(zip(hypothesis.unknowns(), wanted.tolist(), strict=True)):
         value = getattr(effect, name)
         if abs(bounded(effect, name, dx) - value) < STEP_ROUNDING * abs(dx):

@@ -74,8 +74,9 @@ class ColumnMaker:
 
     def freed(self, k: int) -> Column:
         """One number of the file, not held by its tolerance."""
-        tolerance = list(self.start.factors)[k].tolerance
-        std = FREED_WIDTH if tolerance < FREED_WIDTH else FREED_TOLERANCES * tolerance
+        number = list(self.start.factors)[k]
+        std = FREED_WIDTH if number.tolerance < FREED_WIDTH else FREED_TOLERANCES * number.tolerance
+        std = number.tolerance if number.trusted else std
         return Column.of(self.numbers[:, [k]], self.many, np.array([std]), size=np.ones(1))
 
     def columns(self, proposal: Proposal, point: Point) -> Column | None:

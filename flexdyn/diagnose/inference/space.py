@@ -119,13 +119,14 @@ class Space:
 
     @lazy
     def loose(self) -> tuple[int, ...]:
-        """Numbers of the file whose prior reaches below zero: their places."""
-        return tuple(k for k, n in enumerate(self.library.start.factors) if n.tolerance * NEGATIVE_SIGMAS > 1.0)
+        """Positive numbers of the file whose prior reaches below zero: their places."""
+        numbers = enumerate(self.library.start.factors)
+        return tuple(k for k, n in numbers if n.tolerance * NEGATIVE_SIGMAS > 1.0 and not n.signed)
 
     def log_large(self, structure: Structure, own: Estimate) -> float:
         """Log probability that every effect is large enough to be one: the prior leaves out negligible sizes.
 
-        Masses, stiffnesses and levels of the file have factors, which are positive.
+        Masses, stiffnesses and levels of the file have factors, which are positive; those of signed numbers may not be.
         """
         if not structure:
             return 0.0
@@ -138,8 +139,8 @@ class Space:
         least = matrix.smallest[own.columns[first[:-1]]]
         for k, (c, _) in enumerate(points):
             candidate, columns, here = self.candidates[c], blocks[k], slice(first[k], first[k + 1])
-            if candidate.number is not None:
-                share[k] = self.library.start.factors[candidate.number] + own.mean[first[k]]
+            if (number := candidate.number) is not None:
+                share[k] = math.inf if number.signed else self.library.start.factors[number] + own.mean[first[k]]
                 spread[k], least[k] = math.sqrt(variance[first[k]]), 0.0
                 continue
             if matrix.gained[columns[0]] > 0.0:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from flexdyn.diagnose.hypothesis.hypothesis import LEAST_FACTOR, Hypothesis, bounded
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, bounded, least_factor
 from flexdyn.diagnose.hypothesis.linear import tangent_scale
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.effects import Effect, JointEffect
@@ -57,7 +57,7 @@ def hypothesis_of(space: Space, structure: Structure, *, whole: bool = False, sh
             if effect is not None and not effect.is_neutral:
                 effects.append(effect)
     effects = _softened(space, structure, effects)
-    factors = {n: max(f, LEAST_FACTOR) for n, f in factors.items()}
+    factors = {n: max(f, least_factor(n)) for n, f in factors.items()}
     return dataclasses.replace(here, factors=factors, freed=frozenset(freed), effects=tuple(effects))
 
 

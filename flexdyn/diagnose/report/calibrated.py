@@ -32,7 +32,7 @@ def estimate(model: FlexibleJointModel, entry: Calibration) -> Number:
         entry: its factor.
     """
     value, unit = number_as_given(model, entry.of, entry.parameter)
-    return Number(entry.factor * value, entry.std * value, unit)
+    return Number(entry.factor * value, entry.std * abs(value), unit)
 
 
 def number_as_given(model: FlexibleJointModel, of: str, parameter: str) -> tuple[float, str]:

@@ -76,7 +76,8 @@ class Shooter:
         timed = any(is_timed(effect) for effect in self.model.all_effects)
         count = len(windows)
         self.begins = windows.t[:, 0] - np.array([windows.recordings[k].t[0] for k in windows.places[:, 0]])
-        models = [at_time(self.model, begin) for begin in self.begins] if timed else [self.model]
+        of_run = self.begins + np.array(windows.since)[windows.places[:, 0]]
+        models = [at_time(self.model, begin) for begin in of_run.tolist()] if timed else [self.model]
         plants = [build_plant(each) for each in models]
         self.plants = plants if timed else plants * count
         self._held = _torques_of_windows(model.resolved(), windows, extra)

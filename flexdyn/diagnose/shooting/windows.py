@@ -62,6 +62,7 @@ class Windows:
         places: recording and first row of every window (windows, 2).
         rows: number of samples in a window.
         block: number of samples that are averaged before whitening, about 5 ms.
+        since: time since the start of its run at which every recording begins [s].
     """
 
     recordings: tuple[Recording, ...]
@@ -71,10 +72,16 @@ class Windows:
     places: NDArray[np.int64]
     rows: int
     block: int
+    since: tuple[float, ...]
 
     @classmethod
     def of(
-        cls, model: FlexibleJointModel, recordings: Sequence[Recording], noise: SampleNoise, most: int = MOST_WINDOWS
+        cls,
+        model: FlexibleJointModel,
+        recordings: Sequence[Recording],
+        noise: SampleNoise,
+        most: int = MOST_WINDOWS,
+        since: Sequence[float] = (),
     ) -> Windows:
         """Cut recordings into windows; a window never crosses a gap in time, and the last partial one is dropped.
 
@@ -83,6 +90,7 @@ class Windows:
             recordings: of one rate; each with tau and a measured position.
             noise: of the channels.
             most: largest number of windows; of more, evenly spaced ones are used.
+            since: time since the start of its run at which every recording begins [s]; none: each is a whole run.
 
         Raises:
             InputError: no position is measured, rates differ, or no recording is as long as a window.
@@ -106,7 +114,9 @@ class Windows:
         if not places:
             remedy = f"windows of {WINDOW_LENGTH:g} s without a gap are needed"
             raise InputError("the recordings are too short", key="t", remedy=remedy)
-        return cls(tuple(recordings), joints, channels, noise, np.array(places, np.int64), rows, block).thinned(most)
+        begun = tuple(since) or (0.0,) * len(recordings)
+        found = cls(tuple(recordings), joints, channels, noise, np.array(places, np.int64), rows, block, begun)
+        return found.thinned(most)
 
     def thinned(self, most: int) -> Windows:
         """At most `most` windows, evenly spaced."""
