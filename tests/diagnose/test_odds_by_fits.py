@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -67,6 +68,19 @@ def test_a_fit_begins_at_a_share_of_a_step_that_is_too_long(tmp_path: Path) -> N
     assert level(promised) == pytest.approx(6.0 * LEVEL, rel=1e-3)
     begun = near.best_fitted(structure, 1)
     assert level(begun) == pytest.approx(6.0 * LEVEL * SHORTENED_STEP**2, rel=1e-3)  # of all shares the nearest
+
+
+@pytest.mark.parametrize("share", [0.3, 3.0])
+def test_a_fit_is_weighted_by_what_the_linear_equations_promise(share: float, tmp_path: Path) -> None:
+    """A level that is wrong leaves so much that its own weights make its equation count for nothing."""
+    near, structure = _promising(tmp_path, LEVEL)
+    start = hypothesis_of(near.space, structure)
+    start = dataclasses.replace(start, effects=tuple(each.replace(level=share * LEVEL) for each in start.effects))
+    one = np.ones(len(near.space.seen.count))
+    stalled, made = near.fitted(start, 4), near.fitted(start, 4, ModelError(one, one, near.space.seen.count))
+    (level,) = (effect.level for effect in made.hypothesis.effects if isinstance(effect, CoulombFriction))
+    assert level == pytest.approx(LEVEL, rel=1e-3)
+    assert made.reduced < 2.0 < stalled.equations.residual.std() / made.equations.residual.std()
 
 
 def test_a_fit_begins_where_it_is_if_no_share_of_a_step_is_finite(tmp_path: Path) -> None:

@@ -6,6 +6,8 @@ import dataclasses
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from flexdyn.arrays import Flags
 from flexdyn.diagnose.constants import OCCAM_WINDOW, WHOLE_NUMBER_LOG_ODDS
 from flexdyn.diagnose.equations.covariance import SampleNoise
@@ -19,11 +21,20 @@ from flexdyn.diagnose.inference.autoregression import runs_of
 from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.memory import check_memory
-from flexdyn.diagnose.inference.odds_by_fits import log_density, log_density_at
+from flexdyn.diagnose.inference.model_error import ModelError
+from flexdyn.diagnose.inference.odds_by_fits import log_density_at
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.standing_effects import beliefs
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
-from flexdyn.diagnose.inference.weights import along_expected, expected, filter_error, for_fit, quieter, rows_of
+from flexdyn.diagnose.inference.weights import (
+    along_expected,
+    error_of,
+    expected,
+    filter_error,
+    for_fit,
+    quieter,
+    rows_of,
+)
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.errors import SimulationError
 
@@ -99,19 +110,26 @@ class Linearisation:
             whole: see `hypothesis_of`.
         """
         space, here = self.space, self.space.library.start
-        made = self._fitted_if_finite(hypothesis_of(space, structure, whole=whole), steps)
-        if made is not None and log_density(space, made) > self._log_density(here) - OCCAM_WINDOW:
+        promised = self._promised(structure)
+        made = self._fitted_if_finite(hypothesis_of(space, structure, whole=whole), steps, promised)
+        if made is not None and self._log_density(made.hypothesis) > self._log_density(here) - OCCAM_WINDOW:
             return made
-        other = self._fitted_if_finite(self._shortened(structure, whole=whole), steps)
+        other = self._fitted_if_finite(self._shortened(structure, whole=whole), steps, promised)
         fits = [each for each in (made, other) if each is not None]
-        return max(fits, key=lambda each: log_density(space, each)) if fits else self.fitted(here, steps)
+        likely = max(fits, key=lambda each: self._log_density(each.hypothesis), default=None)
+        return self.fitted(here, steps) if likely is None else likely
 
-    def _fitted_if_finite(self, there: Hypothesis, steps: int) -> Fit | None:
+    def _fitted_if_finite(self, there: Hypothesis, steps: int, error: ModelError | None) -> Fit | None:
         """The fit of a hypothesis; None where its equations are not finite."""
         try:
-            return self.fitted(there, steps)
+            return self.fitted(there, steps, error)
         except SimulationError:
             return None
+
+    def _promised(self, structure: Structure) -> ModelError | None:
+        """The model error that the linear equations leave of a structure; None where that is not finite."""
+        left = self.space.left(structure)
+        return ModelError.of(left, self.space.seen, about_mean=True) if np.isfinite(left @ left) else None
 
     def _shortened(self, structure: Structure, *, whole: bool) -> Hypothesis:
         """First values of a structure: shares of its step are tried as long as each is more likely than the last."""
@@ -129,7 +147,7 @@ class Linearisation:
         return best[1]
 
     def _log_density(self, there: Hypothesis) -> float:
-        """Of a hypothesis as it is (see `log_density`); -inf where its equations are not finite."""
+        """Of a hypothesis as it is, under weights that all share; -inf where its equations are not finite."""
         work = dataclasses.replace(self.plain, beliefs=beliefs(self.space.library, there.effects))
         try:
             return log_density_at(self.space, there, self.near.equations.of(there.model()), work)
@@ -141,22 +159,28 @@ class Linearisation:
         """Weights by the sensors' noise alone."""
         return weighed(self.near, self.noise, self.mask)
 
-    def fitted(self, there: Hypothesis, steps: int) -> Fit:
+    def fitted(self, there: Hypothesis, steps: int, error: ModelError | None = None) -> Fit:
         """The fit of a hypothesis, with weights by what the last fit left until they suit it.
 
         Args:
             there: first values.
             steps: largest number of steps of each fit.
+            error: model error that the first fit is expected to leave; None: that of the first values. Where these are
+                far off at one joint, they leave so much there that the fit would not mend it.
         """
-        priors = beliefs(self.space.library, there.effects)
-        for _ in range(WEIGHTINGS):
-            work = for_fit(self.near, self.noise, self.mask, self.space.seen, there)
+        priors, most = beliefs(self.space.library, there.effects), -math.inf
+        for k in range(WEIGHTINGS):
+            work = for_fit(self.near, self.noise, self.mask, self.space.seen, there, error)
             work = dataclasses.replace(work, beliefs=priors)
             made = _natural(fit(there, work, steps=steps), self.space, work)
-            there = made.hypothesis
+            there, likely = made.hypothesis, self._log_density(made.hypothesis)
+            if k == 0 or likely > most:
+                best, most = made, likely
             if WELL_WEIGHTED < made.reduced / expected(work) < 1.0 / WELL_WEIGHTED:
                 break
-        return made
+            left = error_of(self.plain.at(made.equations), made.equations.residual, self.space.seen)
+            error = left if error is None else dataclasses.replace(error, scale=left.scale)
+        return best
 
 
 def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:

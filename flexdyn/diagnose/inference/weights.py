@@ -72,6 +72,7 @@ def for_fit(
     mask: Flags,
     seen: Seen,
     there: Hypothesis,
+    error: ModelError | None = None,
 ) -> Workspace:
     """Weights for the fit of a hypothesis: the sensors' noise and the model error that it leaves.
 
@@ -83,6 +84,7 @@ def for_fit(
         mask: rows that are not used (rows,).
         seen: rows that say something.
         there: the hypothesis.
+        error: model error that it will leave; None: what it leaves at these numbers.
 
     Raises:
         SimulationError: its equations are not finite.
@@ -91,7 +93,7 @@ def for_fit(
     bare = bare.with_offsets_of(at if bare.along is None else bare.along.of(there.model()))
     with SILENT():
         plain = weighed(bare, noise, mask, at=at)
-        error = error_of(plain, at.residual, seen)
+        error = error or error_of(plain, at.residual, seen)
     if not np.isfinite(error.scale).all():
         raise SimulationError(NOT_FINITE, reason="overflow")
     if bare.along is None:  # the hypothesis has springs that the linearisation lacks
