@@ -83,6 +83,13 @@ def test_a_fit_is_weighted_by_what_the_linear_equations_promise(share: float, tm
     assert made.reduced < 2.0 < stalled.equations.residual.std() / made.equations.residual.std()
 
 
+def test_cycles_stay_until_the_structure_is_whole(tmp_path: Path) -> None:
+    """Of a wave that is a little off, the fit between two linearisations keeps the cycles, and the last one moves them."""
+    near, structure = _promising(tmp_path, LEVEL)
+    for whole in (False, True):
+        assert near.best_fitted(structure, 1, whole=whole).hypothesis.fits_cycles == whole
+
+
 def test_a_fit_begins_where_it_is_if_no_share_of_a_step_is_finite(tmp_path: Path) -> None:
     """A friction whose square overflows, and shares of it: the linearisation's own point is fitted."""
     near, structure = _promising(tmp_path, 1e200)

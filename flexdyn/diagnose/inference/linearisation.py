@@ -100,9 +100,10 @@ class Linearisation:
     def best_fitted(self, structure: Structure, steps: int, *, whole: bool = False) -> Fit:
         """The fit of a structure, from its coefficients in the linear equations.
 
-        Where the equations are far from linear, these promise too much, and a fit from there ends less likely than the
-        linearisation's own point, or has no finite equations to begin with. It is then begun anew from a share of the
-        step. The more likely fit counts; if there is none, that of the linearisation's own point.
+        The first weights are those that the linear equations promise. If the fit does not keep the promise, weights by
+        what its first values leave are tried as well. Where the equations are far from linear, both may end less likely
+        than the linearisation's own point, or have no finite equations to begin with. The fit is then begun anew from a
+        share of the step. The most likely fit counts; if there is none, that of the linearisation's own point.
 
         Args:
             structure: of the space.
@@ -110,16 +111,23 @@ class Linearisation:
             whole: see `hypothesis_of`.
         """
         space, here = self.space, self.space.library.start
-        promised = self._promised(structure)
-        made = self._fitted_if_finite(hypothesis_of(space, structure, whole=whole), steps, promised)
-        if made is not None and self._log_density(made.hypothesis) > self._log_density(here) - OCCAM_WINDOW:
-            return made
-        other = self._fitted_if_finite(self._shortened(structure, whole=whole), steps, promised)
-        fits = [each for each in (made, other) if each is not None]
-        likely = max(fits, key=lambda each: self._log_density(each.hypothesis), default=None)
-        return self.fitted(here, steps) if likely is None else likely
+        own, start = space.gram.estimate(space.columns(structure)), hypothesis_of(space, structure, whole=whole)
+        start = dataclasses.replace(start, fits_cycles=whole)
+        promised, before = self._promised(structure), self._log_density(here)
+        best, most = self._if_finite(start, steps, promised), space.log_density(own) - OCCAM_WINDOW
+        if best is None or self._log_density(best.hypothesis) <= most:
+            best = self._likelier(best, self._if_finite(start, steps, None))
+        if best is None or self._log_density(best.hypothesis) <= before - OCCAM_WINDOW:
+            best = self._likelier(best, self._if_finite(self._shortened(structure, whole=whole), steps, promised))
+        return self.fitted(here, steps) if best is None else best
 
-    def _fitted_if_finite(self, there: Hypothesis, steps: int, error: ModelError | None) -> Fit | None:
+    def _likelier(self, one: Fit | None, other: Fit | None) -> Fit | None:
+        """The more likely one of two fits."""
+        if one is None or other is None:
+            return one or other
+        return max(one, other, key=lambda each: self._log_density(each.hypothesis))
+
+    def _if_finite(self, there: Hypothesis, steps: int, error: ModelError | None) -> Fit | None:
         """The fit of a hypothesis; None where its equations are not finite."""
         try:
             return self.fitted(there, steps, error)

@@ -113,7 +113,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         if settled or k == MOST_PASSES - 1:
             break
         strong = best if bare.equations.simulated else _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1))
-        here = near.best_fitted(strong, PASS_STEPS).hypothesis
+        here = dataclasses.replace(near.best_fitted(strong, PASS_STEPS).hypothesis, fits_cycles=True)
         space.forget()
     space.known = {}
     best = among_rivals(space, explore(space, [best]))

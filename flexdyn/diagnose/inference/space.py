@@ -83,13 +83,21 @@ class Space:
         """Log posterior of a structure, not normalised, the size of its model error the most likely one; remembered."""
         if structure not in self.known:
             own = self.gram.estimate(self.columns(structure))
-            columns, mean = self.gram.with_base(own)
-            squares = self.gram.squares(own)
-            prior = self.matrix.prior
-            off = mean - prior.mean[columns]
-            value = self.noise.log_likelihood(squares) - 0.5 * float(off @ (prior.precision[columns] * off))
-            self.known[structure] = value + self.log_volume(structure, own) + self.log_large(structure, own)
+            rest = self.log_volume(structure, own) + self.log_large(structure, own)
+            self.known[structure] = self.log_density(own) + rest
         return self.known[structure]
+
+    def log_density(self, own: Estimate) -> float:
+        """Log likelihood of what a structure leaves at its best numbers, and of the priors at these.
+
+        Args:
+            own: its posterior, of its own columns alone.
+        """
+        columns, mean = self.gram.with_base(own)
+        prior = self.matrix.prior
+        off = mean - prior.mean[columns]
+        squares = self.gram.squares(own)
+        return self.noise.log_likelihood(squares) - 0.5 * float(off @ (prior.precision[columns] * off))
 
     def log_volume(self, structure: Structure, own: Estimate | None = None) -> float:
         """What a structure's posterior has beside likelihood and priors at the best numbers: Occam's factor.
