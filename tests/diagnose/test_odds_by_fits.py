@@ -84,7 +84,7 @@ def test_a_fit_is_weighted_by_what_the_linear_equations_promise(share: float, tm
 
 
 def test_cycles_stay_until_the_structure_is_whole(tmp_path: Path) -> None:
-    """Of a wave that is a little off, the fit between two linearisations keeps the cycles, and the last one moves them."""
+    """A fit between two linearisations keeps the cycles of waves, and the last one moves them."""
     near, structure = _promising(tmp_path, LEVEL)
     for whole in (False, True):
         assert near.best_fitted(structure, 1, whole=whole).hypothesis.fits_cycles == whole
