@@ -177,6 +177,17 @@ class Tree(Locked):
         new = pin.Inertia.FromDynamicParameters(total)
         return self._with_body(joint, new.mass, new.lever, new.inertia)
 
+    def carrier(self, j: int) -> int | None:
+        """The independent joint that carries another one with none between them; None for the first of an arm.
+
+        Args:
+            j: the joint, as in q.
+        """
+        row = int(self.parent[np.flatnonzero(self.gain[:, j])[0]])
+        while row >= 0 and not self.gain[row].any():
+            row = int(self.parent[row])
+        return int(np.flatnonzero(self.gain[row])[0]) if row >= 0 else None
+
     def _with_body(self, joint: int, *body: Any) -> Tree:
         """The tree with another mass, centre of mass and inertia of one body."""
         changed = {name: getattr(self, name).copy() for name in ("mass", "com", "inertia")}

@@ -323,3 +323,13 @@ def test_friction_that_the_model_has_is_seldom_missing_again() -> None:
     assert genuine(friction("stribeck_friction"), 1.0, (), has) == genuine(friction("stribeck_friction"), 1.0)
     assert again < genuine(friction("coulomb_friction", "link"), 1.0) < first
     assert genuine(friction("coulomb_friction"), 1.0, ("coulomb_friction",), has) > again
+
+
+def test_drives_that_are_far_apart_seldom_touch() -> None:
+    """A coupling is common where one joint carries the other, and seldom else: there are many such pairs."""
+    place = {"effect": "joint_coupling", "joint": "a", "side": "motor", "other": "b"}
+    near, far = (Proposal(place, lambda point, x: None, sizes=(1.0,), seldom=seldom) for seldom in (False, True))
+    both = [Candidate("joint_coupling", each, None, [()], [np.array([0])], 1) for each in (near, far)]
+    assert [genuine(each, 1.0) for each in both] == pytest.approx(
+        [2.0 * OFTEN / (1.0 + 2.0 * OFTEN), 2.0 * SELDOM / (1.0 + 2.0 * SELDOM)]
+    )

@@ -135,3 +135,15 @@ def test_a_robot_pickles_whole_and_stays_locked(zoo: Path) -> None:
             elif field.name not in ("tree", "_model"):
                 assert value == other, field.name
     assert again.frame_names == robot.frame_names
+
+
+def test_each_joint_is_carried_by_the_next_one_towards_the_base(zoo: Path) -> None:
+    """By one that moves by itself: joints that follow others are passed over, as in Pinocchio's list of parents."""
+    robot = load_robot(zoo)
+    model = pin.buildModelFromUrdf(str(zoo))
+    for j, name in enumerate(robot.joint_names):
+        index = model.parents[model.getJointId(name)]
+        while index and model.names[index] not in robot.joint_names:
+            index = model.parents[index]
+        expected = robot.joint_names.index(model.names[index]) if index else None
+        assert robot.tree.carrier(j) == expected

@@ -40,6 +40,7 @@ class Proposal:
         sizes: of each linear value, at which its column is computed; none: the effect at the grid point is used as it
             is.
         axes: names of the parameters of the grid.
+        seldom: whether few drives have the law at this place, however many have it elsewhere.
     """
 
     place: Mapping[str, str]
@@ -48,6 +49,7 @@ class Proposal:
     positive: tuple[bool, ...] = ()
     sizes: tuple[float, ...] = ()
     axes: tuple[str, ...] = ()
+    seldom: bool = False
 
     @property
     def joint(self) -> str:

@@ -42,7 +42,10 @@ def proposals(equations: Equations) -> list[Proposal]:
         found += _on_side(joint, "link", links, extent, true)
         for kind in (k for k in kinds if _has(k, "other")):
             place = {"joint": joint, "side": kind.sides[0]}
-            found += [declared(kind, {**place, "other": other}, extent) for other in true.joint_names if other != joint]
+            for k, other in enumerate(true.joint_names):
+                if other != joint:  # drives touch where one joint carries the other
+                    far = j not in (k, true.robot.tree.carrier(k)) and k != true.robot.tree.carrier(j)
+                    found.append(dataclasses.replace(declared(kind, {**place, "other": other}, extent), seldom=far))
         found += _sensors(equations, j, extent, sensors)
     tip = {"frame": true.robot.tip}
     found += [declared(k, tip, extent) for k in kinds if _has(k, "frame")]

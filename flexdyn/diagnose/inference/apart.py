@@ -54,8 +54,11 @@ def genuine(
 def _unusual(candidate: Candidate, effects: Collection[Effect]) -> bool:
     """Whether a law is seldom missing at this place, however many drives have it.
 
-    The model as given may have it there already, or an encoder's lag is meant where only currents are often late.
+    The model as given may have it there already, or an encoder's lag is meant where only currents are often late, or
+    two drives that are far apart.
     """
+    if candidate.proposal is not None and candidate.proposal.seldom:
+        return True
     place, alike = candidate.place, {candidate.kind, *candidate.law.contains, *candidate.law.plainer}
     where = {key: name for key, name in place.items() if key != "effect"}
     there = [each for each in effects if all(getattr(each, key, None) == name for key, name in where.items())]
