@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.decision.fitted_structure import FittedStructure
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import names
 from flexdyn.diagnose.decision.needed_in_fits import needed_in_fits
@@ -87,3 +90,20 @@ def test_fits_count_where_they_tell_more() -> None:
     assert made.sets == (both, other, one)
     assert made.structures[1] == frozenset({(1, 3)})  # at the grid point of the fit
     assert made.log[1] == pytest.approx(np.log(0.4))
+
+
+def test_what_the_user_states_of_a_number_is_part_of_the_likelihood(found: Posterior) -> None:
+    """A mass ten tolerances off costs exp(-50), and nothing where its tolerance is taken for wrong."""
+    hidden = np.zeros(found.fitted.equations.residual.shape, bool)
+    numbers = list(found.fitted.hypothesis.factors)
+
+    def likelihood(off: float, freed: bool) -> float:
+        factors = dict.fromkeys(numbers, 1.0) | {numbers[0]: 1.0 + off * numbers[0].tolerance}
+        there = dataclasses.replace(
+            found.fitted.hypothesis, factors=factors, freed=frozenset(numbers[:1] if freed else ())
+        )
+        made = dataclasses.replace(found.fitted, hypothesis=there)  # its rows are as they were
+        return FittedStructure.of(found.space, found.best, 0.0, made, hidden).likelihood
+
+    assert likelihood(10.0, freed=False) - likelihood(0.0, freed=False) == pytest.approx(-50.0)
+    assert likelihood(10.0, freed=True) == pytest.approx(likelihood(0.0, freed=True), abs=1e-3)

@@ -12,6 +12,7 @@ from flexdyn.arrays import Flags
 from flexdyn.diagnose.constants import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.decision.model_effects import effect_of
 from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.linear import priors
 from flexdyn.diagnose.inference.odds_by_fits import squares_shown
 from flexdyn.diagnose.inference.space import Space, Structure
 
@@ -26,7 +27,7 @@ class FittedStructure:
     Attributes:
         structure: candidates with their grid points.
         value: log posterior without the rows that passages hide.
-        likelihood: log likelihood without them; offsets of encoders cost what their rounding makes unlikely.
+        likelihood: log likelihood without them, with what the user states and the encoders' rounding makes unlikely.
         promised: log posterior with them.
         numbers: unknowns of its effects, and numbers of the file that are out of tolerance.
     """
@@ -48,7 +49,9 @@ class FittedStructure:
         whole, shown = (space.noise.log_likelihood(each) for each in squares)
         value_shown = value - whole + shown + _log_between_points(space, structure, made)
         numbers = len(made.hypothesis.unknowns()) + len(made.hypothesis.freed)
-        return cls(structure, value_shown, shown - 0.5 * of_offsets, value, numbers)
+        centre, sigma = (each[: len(made.hypothesis.factors)] for each in priors(made.hypothesis, made.space))
+        stated = of_offsets + float(np.sum((centre / sigma) ** 2))
+        return cls(structure, value_shown, shown - 0.5 * stated, value, numbers)
 
     def odds_to(self, other: FittedStructure) -> tuple[Structure, frozenset[int], float]:
         """This structure, the candidates of another one, and the odds to that."""
