@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, count_of, moved
@@ -26,13 +27,16 @@ SHORTENED_STEP = 0.3
 """Share of a step that is tried if the full step was too long [1]."""
 
 
-def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
+def fit(
+    start: Hypothesis, space: Workspace, steps: int = 12, *, hopeless: Callable[[Fit], bool] = lambda _: False
+) -> Fit:
     """Fit a hypothesis by Gauss-Newton: every number of the file with its prior, every unknown of its effects.
 
     Args:
         start: first values; if it leaves less, the start is the same with its numbers back within their tolerance.
         space: data, weights and the derivatives that do not change.
         steps: largest number of steps.
+        hopeless: whether the best problem so far promises too little for another step.
 
     Raises:
         SimulationError: the equations are not finite at the start.
@@ -43,7 +47,7 @@ def fit(start: Hypothesis, space: Workspace, steps: int = 12) -> Fit:
         worth = max(
             NEGLIGIBLE_DROP * max(1.0, best.reduced), NEGLIGIBLE_DROP_SHARE * (best.regression.data_chi2 - space.rows)
         )
-        if best.reached - best.chi2 < worth or little == LITTLE:
+        if best.reached - best.chi2 < worth or little == LITTLE or hopeless(best):
             break
         watched = share == 1.0 and ahead < WATCHDOG_STEPS
         made = _after_share(base, share, math.inf if watched else best.reached)

@@ -119,11 +119,13 @@ def fit_if_likely(
         made = chord_fit(start, base)
     except SimulationError:  # nothing can be computed there
         return -math.inf, None
-    value = log_posterior(space, structure, made)
-    if value + 0.5 * (made.reached - made.chi2) > least:
-        made = fit(made.hypothesis, base.space, steps=STEPS_OF_A_FIT)
-        value = log_posterior(space, structure, made)
-    return value, made
+
+    def hopeless(made: Fit) -> bool:
+        return log_posterior(space, structure, made) + 0.5 * (made.reached - made.chi2) <= least
+
+    if not hopeless(made):
+        made = fit(made.hypothesis, base.space, steps=STEPS_OF_A_FIT, hopeless=hopeless)
+    return log_posterior(space, structure, made), made
 
 
 def carried_on(space: Space, structure: Structure, made: Fit) -> Fit:
