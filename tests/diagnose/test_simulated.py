@@ -17,7 +17,8 @@ from flexdyn.diagnose.hypothesis.workspace import prepared
 from flexdyn.diagnose.inference.passes import Posterior, posterior
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.diagnose.simulated.reweighting import Simulated, reweighed, share_in_windows, unlike_noise
+from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
+from flexdyn.diagnose.simulated.structures import Simulated, unlike_noise
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
 from flexdyn.diagnose.simulated.window_scan import promising
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding

@@ -27,7 +27,8 @@ from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.progress import tell
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.diagnose.simulated.reweighting import Simulated, reweighed, share_in_windows, unlike_noise
+from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
+from flexdyn.diagnose.simulated.structures import Simulated, unlike_noise
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 WORSE = "on the data of the fit the corrected model is worse than the model as it was given"

@@ -1,0 +1,193 @@
+"""Structures over simulated windows: each with its fit and its log posterior, and the search among them."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+
+from flexdyn.diagnose.constants import CERTAIN_SIGMAS, ERRORS_PER_WINDOW, NOISE_LEVEL_ERROR, STRONG_GAIN_SHARE
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.search import Scan
+from flexdyn.diagnose.inference.space import Structure
+from flexdyn.diagnose.inference.structure_model import hypothesis_of
+from flexdyn.diagnose.shooting.gap import Shot
+from flexdyn.diagnose.shooting.windows import Windows
+from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
+from flexdyn.diagnose.simulated.window_scan import Addition, Responses, is_asked, promising
+from flexdyn.errors import FlexdynError
+
+SWAPS, ADDITIONS = 2, 2
+"""Candidates that are tried in the place of each one, and beside all: so many by the equations and by windows each."""
+LARGEST_QUESTIONED = 4
+"""Candidates of a structure, at most, whose neighbours are simulated: larger ones imitate what the catalogue lacks."""
+SEARCH_ROUNDS = 3
+"""Structures whose neighbours are compared, at most."""
+RIVALS_SIMULATED = 8
+"""Candidates that are simulated in the place of each one of the structure that the equations prefer, at most."""
+FITTED_SWAPS = 2
+"""Swaps whose numbers are fitted to the windows: those that are nearest before."""
+EQUATIONS_FIT_STEPS = 6
+"""Steps of the fit to the equations, with a warm start at the linear estimate."""
+
+
+def unlike_noise(shot: Shot, floor: float = 1.0) -> bool:
+    """Whether windows leave together more than noise, chance and a misjudged level of the noise.
+
+    Args:
+        shot: the windows; where only some are off, their median says nothing of it.
+        floor: the gap of a perfect model, if it is more than 1.
+    """
+    chance = CERTAIN_SIGMAS * math.sqrt(2.0 / (ERRORS_PER_WINDOW * len(shot.x0)))
+    return shot.left > (1.0 + NOISE_LEVEL_ERROR + chance) * max(floor, 1.0) ** 2
+
+
+class Simulated:
+    """Structures that were simulated, each with its log posterior.
+
+    The likelihood is that of the windows instead of the equations; priors and volumes are the same. Sizes of effects do
+    not count, as the equations may say nothing of them.
+
+    Args:
+        found: the posterior by the equations.
+        windows: of the data of the fit.
+    """
+
+    def __init__(self, found: Posterior, windows: Windows) -> None:
+        self.found, self.windows = found, windows
+        self.known: dict[Structure, float] = {}
+        self.fits: dict[Structure, WindowFit] = {}
+        self.tried: set[Structure] = set()
+        self.fitted: set[Structure] = set()
+        self.promised: dict[Structure, list[Addition]] = {}
+        self.responses: Responses = {}
+
+    def start(self, structure: Structure) -> None:
+        """Simulate with the numbers of the equations; a structure that cannot be simulated is left out."""
+        if structure in self.fits:
+            return
+        found = self.found
+        with contextlib.suppress(FlexdynError):
+            here = hypothesis_of(found.space, structure, whole=True)
+            whole = structure == found.best
+            made = found.fitted if whole else fit(here, found.fitted.space, steps=EQUATIONS_FIT_STEPS)
+            self._take(structure, WindowFit.of(made, self.windows))
+
+    def start_with(self, base: Structure, more: Addition) -> None:
+        """Simulate a structure that was fitted with one candidate more."""
+        structure = base | {more.point}
+        if structure not in self.fits:
+            with contextlib.suppress(FlexdynError):
+                number = self.found.space.candidates[more.point[0]].number
+                tried = [self.fits[base].with_one_more(effect, number, step) for step, effect in more.tried]
+                self._take(structure, max(tried, key=lambda each: each.log_posterior))
+
+    def fit(self, structure: Structure) -> None:
+        """Simulate with the numbers that suit the windows best."""
+        if structure in self.tried:
+            return
+        self.tried.add(structure)
+        self.start(structure)
+        with contextlib.suppress(FlexdynError):
+            if structure in self.fits:
+                self._take(structure, fit_to_windows(self.fits[structure]))
+                self.fitted.add(structure)
+
+    def _take(self, structure: Structure, made: WindowFit) -> None:
+        if math.isfinite(made.log_posterior):  # else no window could be simulated
+            self.fits[structure] = made
+            self.known[structure] = made.log_posterior + self.found.space.log_volume(structure)
+
+    def best(self) -> Structure:
+        """The most likely of those simulated."""
+        return max(self.known, key=lambda s: (self.known[s], sorted(s)))
+
+    def around(self, here: Structure) -> None:
+        """Compare a fitted structure with those that lack one of its candidates, or have another in its place.
+
+        All that lack a candidate are fitted, and the best ones that have another.
+        """
+        swaps = []
+        for each in sorted(here):
+            self.fit(here - {each})
+            swaps += self._with_one_more(here - {each}, SWAPS, but=each[0])
+        for structure in self._first(swaps)[:FITTED_SWAPS]:
+            self.fit(structure)
+
+    def grown(self, here: Structure) -> Structure:
+        """A fitted structure with what its windows lack, candidate by candidate, as long as that is worthwhile."""
+        if len(here) >= LARGEST_QUESTIONED:
+            return here
+        for more in self._first(self._with_one_more(here, ADDITIONS))[:1]:
+            self.fit(more)
+            if self._is_worthwhile(more, here):
+                return self.grown(more)
+        return here
+
+    def _with_one_more(self, base: Structure, most: int, but: int | None = None) -> list[Structure]:
+        """A structure with each of the candidates that the equations, or its windows, like best; simulated."""
+        liked = [point for _, point in Scan(self.found.space).additions(base) if point[0] != but]
+        promised = {each.point: each for each in self._promising(base) if each.point[0] != but}
+        if base in self.fitted:  # of others its windows say that they would be none
+            liked = [point for point in liked if point in promised or not is_asked(self.found.space, point[0])]
+        points = dict.fromkeys([*liked[:most], *list(promised)[:most]])
+        for point in points:
+            if point in promised:
+                self.start_with(base, promised[point])
+            else:
+                self.start(base | {point})
+        return [base | {point} for point in points]
+
+    def _promising(self, base: Structure) -> list[Addition]:
+        """What the windows of a structure would gain; nothing where its numbers were not fitted to them."""
+        if base in self.fitted and base not in self.promised:
+            self.promised[base] = promising(self.fits[base], self.found.space, base, self.responses)
+        return self.promised.get(base, [])
+
+    def climbed(self, start: Structure) -> Structure:
+        """The best structure of a search that begins at one, or at nothing, and goes on to better neighbours.
+
+        The equations may prefer several candidates to one that they hardly see. No neighbour of these leads there. What
+        they hardly tell apart is simulated before any numbers are fitted to windows: the search begins at the best of
+        it.
+        """
+        self.start(start)
+        if start in self.fits and unlike_noise(self.fits[start].shot):
+            self._rivals(start)
+            start = self.best()
+        for each in (start, frozenset[tuple[int, int]]()):
+            self.start(each)
+            lacking = each not in self.fits or unlike_noise(self.fits[each].shot)
+            self.fit(each)
+            if lacking and each in self.fitted:
+                self.grown(each)
+            if not lacking or (self.known and not unlike_noise(self.fits[self.best()].shot)):
+                break
+        for _ in range(SEARCH_ROUNDS if self.known else 0):
+            here = self.best()
+            self.around(here)
+            if not self._is_worthwhile(self.best(), here):
+                break
+            self.grown(self.best())
+        return self.best() if self.known else start
+
+    def _rivals(self, structure: Structure) -> None:
+        """Simulate what loses little in the place of each candidate in the equations, where reversals are masked."""
+        scan = Scan(self.found.space)
+        for each in sorted(structure):
+            rest = structure - {each}
+            additions = scan.additions(rest)
+            least = (1.0 - STRONG_GAIN_SHARE) * next(
+                (gain for gain, point in additions if point[0] == each[0]), math.inf
+            )
+            near = [point for gain, point in additions if point[0] != each[0] and gain > least]
+            for point in near[:RIVALS_SIMULATED]:
+                self.start(rest | {point})
+
+    def _is_worthwhile(self, there: Structure, here: Structure) -> bool:
+        """Whether a search goes on from a structure that came after another one."""
+        return self.known[there] - self.known[here] > self.fits[there].worthwhile
+
+    def _first(self, structures: list[Structure]) -> list[Structure]:
+        """Those that could be simulated, the most likely one first."""
+        return sorted((s for s in structures if s in self.known), key=lambda s: (-self.known[s], sorted(s)))
