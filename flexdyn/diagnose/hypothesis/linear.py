@@ -124,7 +124,7 @@ def reached(hypothesis: Hypothesis, at: Equations, space: Workspace) -> float:
     with SILENT():
         rows, nuisance = space.beside_nuisance(at.residual)
         y = rows[:, 0]
-        if not np.isfinite(y @ y):
+        if not (np.isfinite(y @ y) and np.isfinite(nuisance).all()):
             return math.inf
     centre, sigma = priors(hypothesis, space)
     nuisances = nuisance.shape[1]

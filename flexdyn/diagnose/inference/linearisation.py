@@ -115,7 +115,7 @@ class Linearisation:
         start = dataclasses.replace(start, fits_cycles=whole)
         promised, before = self._promised(structure), self._log_density(here)
         best, most = self._if_finite(start, steps, promised), space.log_density(own) - OCCAM_WINDOW
-        if best is None or self._log_density(best.hypothesis) <= most:
+        if promised and (best is None or self._log_density(best.hypothesis) <= most):
             best = self._likelier(best, self._if_finite(start, steps, None))
         if best is None or self._log_density(best.hypothesis) <= before - OCCAM_WINDOW:
             best = self._likelier(best, self._if_finite(self._shortened(structure, whole=whole), steps, promised))
@@ -135,7 +135,12 @@ class Linearisation:
             return None
 
     def _promised(self, structure: Structure) -> ModelError | None:
-        """The model error that the linear equations leave of a structure; None where that is not finite."""
+        """The model error that the linear equations leave of a structure; None where that is not finite.
+
+        Nor is there a promise for links that are simulated behind prescribed motors: there they are far from linear.
+        """
+        if self.near.equations.replayed.any():
+            return None
         left = self.space.left(structure)
         return ModelError.of(left, self.space.seen, about_mean=True) if np.isfinite(left @ left) else None
 

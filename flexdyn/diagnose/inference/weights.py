@@ -93,9 +93,10 @@ def for_fit(
     bare = bare.with_offsets_of(at if bare.along is None else bare.along.of(there.model()))
     with SILENT():
         plain = weighed(bare, noise, mask, at=at)
-        error = error or error_of(plain, at.residual, seen)
-    if not np.isfinite(error.scale).all():
-        raise SimulationError(NOT_FINITE, reason="overflow")
+        left = plain.white(at.residual)
+        if not np.isfinite(left @ left):
+            raise SimulationError(NOT_FINITE, reason="overflow")
+        error = error or ModelError.of(left, seen, about_mean=True)
     if bare.along is None:  # the hypothesis has springs that the linearisation lacks
         bare, plain, _ = along_expected(bare, plain, there, at, seen)
     made = tempered(plain, error)
