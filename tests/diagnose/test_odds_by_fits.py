@@ -93,8 +93,10 @@ def test_cycles_stay_until_the_structure_is_whole(tmp_path: Path) -> None:
 def test_a_fit_begins_where_it_is_if_no_share_of_a_step_is_finite(tmp_path: Path) -> None:
     """A friction whose square overflows, and shares of it: the linearisation's own point is fitted."""
     near, structure = _promising(tmp_path, 1e200)
-    with pytest.raises(SimulationError), np.errstate(over="ignore"):
-        near.fitted(hypothesis_of(near.space, structure), 1)
+    one = np.ones(len(near.space.seen.count))
+    for error in (None, ModelError(one, one, near.space.seen.count)):  # whatever it is weighted by
+        with pytest.raises(SimulationError), np.errstate(over="ignore"):
+            near.fitted(hypothesis_of(near.space, structure), 1, error)
     with np.errstate(over="ignore"):
         begun = near.best_fitted(structure, 1)
     assert not begun.hypothesis.effects
