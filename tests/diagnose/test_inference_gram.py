@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.stats import multivariate_normal, norm
 
+from flexdyn.diagnose.inference import eliminated
 from flexdyn.diagnose.inference.gram import NEGATIVE_SIGMAS, Estimate, Gram, Prior
 from flexdyn.diagnose.inference.products import Products
 
@@ -141,6 +142,20 @@ def test_the_posterior_is_that_of_all_rows_at_once(seed: int, chosen: list[int],
     np.testing.assert_allclose(both, mean, atol=1e-9)
     left = problem.y - problem.X[:, :, columns] @ mean
     np.testing.assert_allclose(gram.squares(alone), (left**2).sum(axis=1), rtol=1e-9)
+
+
+def test_pairs_are_kept_as_structures_come(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One structure after another, with room for one column at first: each as by all rows at once."""
+    monkeypatch.setattr(eliminated, "FIRST_ROOM", 1)
+    problem = Problem.of(11)
+    gram = problem.gram()
+    for own in (_at(4), _at(2, 4), _at(2, 5), _at(4, 5), _at(2, 3, 4, 5, 6, 7), _at(7, 2)):
+        made, columns = gram.estimate(own), [*range(BASE), *own.tolist()]
+        mean, covariance = problem.posterior(columns)
+        np.testing.assert_allclose(made.mean, mean[BASE:], atol=1e-9)
+        np.testing.assert_allclose(made.covariance, covariance[BASE:, BASE:], atol=1e-9)
+        left = problem.y - problem.X[:, :, columns] @ mean
+        np.testing.assert_allclose(gram.squares(made), (left**2).sum(axis=1), rtol=1e-9)
 
 
 def test_columns_of_every_structure_may_be_eliminated_or_not() -> None:
