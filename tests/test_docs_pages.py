@@ -57,7 +57,6 @@ def test_prose_names_effects_that_are_there(scripts: dict[str, ModuleType]) -> N
     [
         ("emps", "coulomb_friction", "level", 1.0, 1),
         ("double_pendulum", "coulomb_friction", "level", 1.0, 3),
-        ("double_pendulum", "viscous_friction", "coefficient", 1.0, 4),
         ("kuka_kr300", "parallel_spring", "stiffness", 1.0, 0),
         ("kuka_kr300", "parallel_spring", "rest", 1.0, 2),
         ("friction_damper", "backlash", "half_gap", 1e3, 2),
