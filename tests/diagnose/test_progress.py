@@ -96,8 +96,8 @@ def test_work_that_does_not_listen_is_not_waited_for() -> None:
 
 SHOWN = """
 import sys, time
-from flexdyn.diagnose.decision.background import shown
-with shown({progress}) as show:
+from flexdyn.diagnose.decision.background import display_of
+with display_of({progress}) as show:
     show("comparing structures (2 of 5)", 0.4)
     time.sleep(1.6)
     show("simulating windows (3 of 5)", 0.5)

@@ -189,11 +189,19 @@ class Linearisation:
             there, likely = made.hypothesis, self._log_density(made.hypothesis)
             if k == 0 or likely > most:
                 best, most = made, likely
-            if WELL_WEIGHTED < made.reduced / expected(work) < 1.0 / WELL_WEIGHTED:
+            if _is_well_weighted(made):
                 break
             left = error_of(self.plain.at(made.equations), made.equations.residual, self.space.seen)
             error = left if error is None else dataclasses.replace(error, scale=left.scale)
-        return best
+        if _is_well_weighted(best):
+            return best
+        work = for_fit(self.near, self.noise, self.mask, self.space.seen, best.hypothesis)
+        return fit(best.hypothesis, dataclasses.replace(work, beliefs=priors), steps=1)  # weights for its intervals
+
+
+def _is_well_weighted(made: Fit) -> bool:
+    """Whether a fit leaves about what its weights expect."""
+    return WELL_WEIGHTED < made.reduced / expected(made.space) < 1.0 / WELL_WEIGHTED
 
 
 def _natural(fitted: Fit, space: Space, work: Workspace) -> Fit:
