@@ -14,8 +14,10 @@ from flexdyn.diagnose.decision.naming import names
 from flexdyn.diagnose.decision.needed_in_fits import needed_in_fits
 from flexdyn.diagnose.decision.one_law import with_best
 from flexdyn.diagnose.decision.rivals_in_fits import rivals_in_fits
+from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.workspace import prepared
-from flexdyn.diagnose.inference.passes import Posterior, posterior
+from flexdyn.diagnose.inference.passes import Posterior, identity, most_likely_visited, posterior
+from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from tests.diagnose.test_simulated import FORCE, LEVEL, LEVELS, MASS, RATE
 from tests.diagnose.truths import slider_model, slider_recording, sliding
 
@@ -54,6 +56,20 @@ def test_what_is_needed_stays(found: Posterior) -> None:
     ((rest, whole, odds),) = made.by_fits
     assert (rest, whole) == (frozenset(), frozenset(c for c, _ in found.best))
     assert odds < 1e-6
+
+
+def test_a_search_that_does_not_settle_ends_where_a_fit_was_most_likely(found: Posterior) -> None:
+    """At an offset, after a pass that had the friction: its fit counts; the other way round, nothing changes."""
+    space, offset = found.space, (_place(found, "torque_offset"), 0)
+    (friction,) = found.best
+    right = frozenset(identity(space.candidates[c]) for c, _ in found.best)
+    wrong = frozenset({identity(space.candidates[offset[0]])})
+    start = hypothesis_of(space, frozenset({offset}))
+    made = fit(start, found.fitted.space)
+    best, fitted = most_likely_visited(space, frozenset({offset}), made, [(right, found.fitted.hypothesis)])
+    assert {c for c, _ in best} == {friction[0]}
+    assert fitted.reached == pytest.approx(found.fitted.reached, rel=0.05)
+    assert most_likely_visited(space, found.best, found.fitted, [(wrong, made.hypothesis)])[0] == found.best
 
 
 def test_a_plainer_law_takes_the_place_of_one_that_contains_it(found: Posterior) -> None:

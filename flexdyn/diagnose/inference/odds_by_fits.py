@@ -40,7 +40,7 @@ def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[fr
     here = log_posterior(space, best, fitted)
     found = []
     for each in others:
-        structure = _in_space(space, each)
+        structure = in_space(space, each)
         start = hypothesis_of(space, structure, whole=True)
         try:
             made = fit(start, fitted.space, steps=STEPS_OF_A_FIT)
@@ -159,7 +159,7 @@ def _fit_of_structure(space: Space, structure: Structure, base: Fit, steps: int)
         return None
 
 
-def _in_space(space: Space, candidates: frozenset[int]) -> Structure:
+def in_space(space: Space, candidates: frozenset[int]) -> Structure:
     """Candidates with the grid points at which they were the most likely."""
     ranked = sorted(space.known, key=lambda s: (-space.known[s], sorted(s)))
     place: dict[int, int] = {}

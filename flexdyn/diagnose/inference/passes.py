@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,7 +22,13 @@ from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.linearisation import Linearisation
 from flexdyn.diagnose.inference.model_error import ModelError
-from flexdyn.diagnose.inference.odds_by_fits import best_by_fits, best_where_not_linear, odds_by_fits
+from flexdyn.diagnose.inference.odds_by_fits import (
+    best_by_fits,
+    best_where_not_linear,
+    in_space,
+    log_posterior,
+    odds_by_fits,
+)
 from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import Space, Structure
@@ -29,6 +36,7 @@ from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, 
 from flexdyn.diagnose.inference.weights import for_fit, quieter, rows_of
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
+from flexdyn.errors import SimulationError
 
 MOST_PASSES = 5
 """Linearisations at most."""
@@ -90,6 +98,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
     first: Library | None = None
     compared: list[Places] = []
     passed: set[tuple[Places, Places]] = set()
+    visited: list[tuple[Places, Hypothesis]] = []
     for k in range(MOST_PASSES):
         tell(f"comparing structures: pass {k + 1} of at most {MOST_PASSES}", 0.05 + 0.6 * k / MOST_PASSES)
         near = Linearisation.of(bare, noise, mask, here, own, first)
@@ -114,11 +123,40 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
             break
         strong = best if bare.equations.simulated else _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1))
         here = dataclasses.replace(near.best_fitted(strong, PASS_STEPS).hypothesis, fits_cycles=True)
+        visited.append((frozenset(identity(space.candidates[c]) for c, _ in strong), here))
         space.forget()
     space.known = {}
     best = among_rivals(space, explore(space, [best]))
     fitted = near.best_fitted(best, LAST_STEPS, whole=True)
+    if not settled:
+        best, fitted = most_likely_visited(space, best, fitted, visited)
     return Posterior(space, best, fitted, near.noise, settled, space.known, earlier=earlier)
+
+
+def most_likely_visited(
+    space: Space, best: Structure, fitted: Fit, visited: list[tuple[Places, Hypothesis]]
+) -> tuple[Structure, Fit]:
+    """The most likely by fits of the last structure and those of earlier passes: a search that does not settle wanders.
+
+    Args:
+        space: of the last linearisation.
+        best: its best structure.
+        fitted: the fit of that one, under whose weights all are fitted.
+        visited: structures of earlier passes, and where their fits ended.
+    """
+    place = {identity(candidate): c for c, candidate in enumerate(space.candidates)}
+    most = log_posterior(space, best, fitted)
+    for places, there in visited:
+        if not places <= place.keys():
+            continue
+        structure = in_space(space, frozenset(place[each] for each in places))
+        with contextlib.suppress(SimulationError):
+            made = fit(there, fitted.space, steps=LAST_STEPS)
+            value = log_posterior(space, structure, made)
+            if value > most:
+                best, fitted, most = structure, made, value
+    space.value(best)
+    return best, fitted
 
 
 def _numbers_alone(bare: Unweighted, recorded: SampleNoise, mask: Flags, start: Hypothesis) -> Hypothesis:
