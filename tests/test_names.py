@@ -83,24 +83,27 @@ def test_a_text_has_one_name_and_one_place() -> None:
     assert not {name: found for (name, _), found in places.items() if len(found) > 1}
 
 
-def test_a_private_function_name_is_defined_once_in_a_package() -> None:
-    """Who searches a package for a name finds one function."""
-    places: dict[tuple[str, str], list[str]] = defaultdict(list)
+def defined(kind: type[ast.FunctionDef | ast.ClassDef]) -> dict[str, list[Path]]:
+    """Files that define a function or class at their top level, by its name."""
+    places: dict[str, list[Path]] = defaultdict(list)
     for path in FILES:
         for node in ast.parse(path.read_text(encoding="utf-8")).body:
-            if isinstance(node, ast.FunctionDef) and node.name.startswith("_") and not node.name.endswith("__"):
-                places[node.name, package_of(path)].append(path.relative_to(PACKAGE).as_posix())
-    assert not {name: found for name, found in places.items() if len(found) > 1}
+            if isinstance(node, kind):
+                places[node.name].append(path)
+    return places
+
+
+def test_a_private_function_name_is_defined_once_in_a_package() -> None:
+    """Who searches a package for a name finds one function."""
+    private = {n: p for n, p in defined(ast.FunctionDef).items() if n.startswith("_") and not n.endswith("__")}
+    packages = {name: list(map(package_of, found)) for name, found in private.items()}
+    assert not {name: found for name, found in packages.items() if len(found) > len(set(found))}
 
 
 def test_a_public_class_name_is_defined_once() -> None:
     """Likewise of classes; private ones stay in their module."""
-    places: dict[str, list[str]] = defaultdict(list)
-    for path in FILES:
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
-            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-                places[node.name].append(path.relative_to(PACKAGE).as_posix())
-    assert not {name: found for name, found in places.items() if len(found) > 1}
+    found = defined(ast.ClassDef)
+    assert not {name: found[name] for name in found if not name.startswith("_") and len(found[name]) > 1}
 
 
 ONE_MEANING = {
@@ -116,14 +119,12 @@ ONE_MEANING = {
 
 def test_a_public_function_name_has_one_meaning() -> None:
     """It is defined once, also across packages; a command of the program has the name of the function that it calls."""
-    places: dict[str, list[str]] = defaultdict(list)
-    for path in FILES:
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
-            if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
-                places[node.name].append(path.relative_to(PACKAGE).as_posix())
-    several = {name: found for name, found in places.items() if len(found) > 1}
+    public = {name: found for name, found in defined(ast.FunctionDef).items() if not name.startswith("_")}
+    several = {name: found for name, found in public.items() if len(found) > 1}
     commands = {
-        name for name, found in several.items() if len(found) == 2 and name in fd.__all__ and "cli/" in found[0]
+        name
+        for name, found in several.items()
+        if len(found) == 2 and name in fd.__all__ and package_of(found[0]) == "cli"
     }
     assert several.keys() - commands == ONE_MEANING.keys()
 

@@ -84,10 +84,15 @@ def test_a_fit_is_weighted_by_what_the_linear_equations_promise(share: float, tm
 
 
 def test_cycles_stay_until_the_structure_is_whole(tmp_path: Path) -> None:
-    """A fit between two linearisations keeps the cycles of waves, and the last one moves them."""
-    near, structure = _promising(tmp_path, LEVEL)
-    for whole in (False, True):
-        assert near.best_fitted(structure, 1, whole=whole).hypothesis.fits_cycles == whole
+    """A fit between two linearisations keeps the cycles of waves, and the last one moves them.
+
+    Also where it begins at a share of its step, and where no share is finite.
+    """
+    for level in (LEVEL, 6.0 * LEVEL, 1e200):
+        near, structure = _promising(tmp_path, level)
+        for whole in (False, True):
+            with np.errstate(over="ignore"):
+                assert near.best_fitted(structure, 1, whole=whole).hypothesis.fits_cycles == whole
 
 
 def test_a_fit_begins_where_it_is_if_no_share_of_a_step_is_finite(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,8 +12,7 @@ from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.hypothesis.estimate import SHORTENED_STEP
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
-from flexdyn.diagnose.hypothesis.linear import NOT_FINITE, priors, tangent_scale, within_bounds
-from flexdyn.diagnose.hypothesis.regression import Regression
+from flexdyn.diagnose.hypothesis.linear import problem_of, tangent_scale
 from flexdyn.diagnose.parallel import SILENT
 from flexdyn.errors import SimulationError
 
@@ -62,18 +62,12 @@ class _Slopes:
         """
         at = self.base.space.equations.of(there.model())
         scales = tuple(tangent_scale(*key) for key in there.unknowns())
-        nuisances = self.space.unknown.shape[1]
         units = np.ones(self.X.shape[1])
-        units[len(there.factors) : len(units) - nuisances] = scales
+        units[len(there.factors) : len(units) - self.space.unknown.shape[1]] = scales
         with SILENT():
             y = self.space.beside_nuisance(at.residual)[0][:, 0]
-            finite = np.isfinite(y @ y)
-        if not finite:
-            raise SimulationError(NOT_FINITE, reason="overflow")
-        centre, sigma = priors(there, self.space)
-        centre, sigma = np.append(centre, np.zeros(nuisances)), np.append(sigma, self.space.nuisance_sigma)
-        regression = Regression(y, self.X * units, centre, sigma, self.space.rows, nuisances)
-        return within_bounds(Fit(there, at, regression, self.base.space, scales))
+        made = problem_of(there, at, y, self.X * units, self.space, scales)
+        return dataclasses.replace(made, space=self.base.space)  # whose weights follow the hypothesis
 
 
 def chord_fit(start: Hypothesis, base: Fit) -> Fit:

@@ -49,14 +49,34 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
     near = before if taken is not None and _near(hypothesis, taken) else None
     with SILENT():
         y, X = _rows(hypothesis, at, along, here, scales) if near is None else _same_slopes(near, at, here, scales)
+    made = problem_of(hypothesis, at, y, X, space, scales)
+    return dataclasses.replace(made, taken=taken if near else None)
+
+
+def problem_of(
+    hypothesis: Hypothesis, at: Equations, y: Array, X: Array, space: Workspace, scales: tuple[float, ...]
+) -> Fit:
+    """The least-squares problem with given white residuals and slopes, and the priors of a hypothesis.
+
+    Args:
+        hypothesis: whose unknowns the slopes are by.
+        at: its equations.
+        y: white residuals (rows,).
+        X: their slopes by numbers, unknowns and nuisances (rows, columns).
+        space: the common parts of all fits.
+        scales: of the unknowns.
+
+    Raises:
+        SimulationError: residuals or slopes are not finite.
+    """
+    with SILENT():
         finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
     if not finite:
         raise SimulationError(NOT_FINITE, reason="overflow")
     nuisances = space.unknown.shape[1]
     centre, sigma = priors(hypothesis, space)
     centre, sigma = np.append(centre, np.zeros(nuisances)), np.append(sigma, space.nuisance_sigma)
-    regression = Regression(y, X, centre, sigma, space.rows, nuisances)
-    return within_bounds(Fit(hypothesis, at, regression, space, scales, taken=taken if near else None))
+    return within_bounds(Fit(hypothesis, at, Regression(y, X, centre, sigma, space.rows, nuisances), space, scales))
 
 
 def within_bounds(made: Fit) -> Fit:

@@ -111,15 +111,19 @@ class Linearisation:
             whole: see `hypothesis_of`.
         """
         space, here = self.space, self.space.library.start
-        own, start = space.gram.estimate(space.columns(structure)), hypothesis_of(space, structure, whole=whole)
-        start = dataclasses.replace(start, fits_cycles=whole)
+        own, start = space.gram.estimate(space.columns(structure)), self._begun(structure, whole=whole)
         promised, before = self._promised(structure), self._log_density(here)
         best, most = self._if_finite(start, steps, promised), space.log_density(own) - OCCAM_WINDOW
         if promised and (best is None or self._log_density(best.hypothesis) <= most):
             best = self._likelier(best, self._if_finite(start, steps, None))
         if best is None or self._log_density(best.hypothesis) <= before - OCCAM_WINDOW:
             best = self._likelier(best, self._if_finite(self._shortened(structure, whole=whole), steps, promised))
-        return self.fitted(here, steps) if best is None else best
+        return self.fitted(dataclasses.replace(here, fits_cycles=whole), steps) if best is None else best
+
+    def _begun(self, structure: Structure, *, whole: bool, share: float = 1.0) -> Hypothesis:
+        """First values of a structure; its fit moves cycles only if it is whole."""
+        there = hypothesis_of(self.space, structure, whole=whole, share=share)
+        return dataclasses.replace(there, fits_cycles=whole)
 
     def _likelier(self, one: Fit | None, other: Fit | None) -> Fit | None:
         """The more likely one of two fits."""
@@ -148,7 +152,7 @@ class Linearisation:
         """First values of a structure: shares of its step are tried as long as each is more likely than the last."""
 
         def begun(share: float) -> tuple[float, Hypothesis]:
-            there = hypothesis_of(self.space, structure, whole=whole, share=share)
+            there = self._begun(structure, whole=whole, share=share)
             return self._log_density(there), there
 
         best = begun(SHORTENED_STEP)

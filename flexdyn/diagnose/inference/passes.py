@@ -155,7 +155,7 @@ def most_likely_visited(
             value = log_posterior(space, structure, made)
             if value > most:
                 best, fitted, most = structure, made, value
-    space.value(best)
+    space.value(best)  # it is one of those that are compared
     return best, fitted
 
 
