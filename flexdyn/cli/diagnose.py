@@ -18,6 +18,7 @@ from flexdyn.cli.output import note, show, show_json
 from flexdyn.cli.recordings import load_each, trimmed_recordings
 from flexdyn.cli.target import model_file
 from flexdyn.errors import check_installed
+from flexdyn.model.model_file import TOP_KEYS
 
 FitArgument = Annotated[
     list[Path], typer.Argument(metavar="FIT...", help="Recordings to explain; a.csv+b.csv: side by side.")
@@ -114,7 +115,8 @@ def diagnose(
     done = diagnose_inputs.record_of(model, fit, checks, maps or ())
     try:
         options = {"fit": "FIT", "check": diagnose_inputs.CHECK, "expect": "--expect", "hold_out": "--hold-out"}
-        with naming(options, file=diagnose_inputs.named(fit), files={}):
+        of_model = dict.fromkeys(TOP_KEYS, Path(model))
+        with naming(options, file=diagnose_inputs.named(fit), files=of_model):
             diagnosis = run(arm, *recordings, hold_out=blocks, expect=expect or ())
     except Partial as stop:
         if stop.diagnosis is not None:

@@ -191,4 +191,4 @@ def naming(options: Mapping[str, str], *, file: Path | str, files: Mapping[str, 
             if key == argument or key.startswith(f"{argument}."):
                 renamed = f"{option} {key[len(argument) + 1 :]}".strip()
                 raise InputError(error.problem, **{**error.data, "key": renamed}) from None
-        raise error.at(file=files.get(key.partition(".")[0]) or file) from None
+        raise error.at(file=files.get(key.partition(".")[0].partition("[")[0]) or file) from None

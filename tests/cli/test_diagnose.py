@@ -212,6 +212,17 @@ def test_data_that_cannot_answer(flexdyn: Runner, answer: Answer) -> None:
     assert not Path("out").exists()
 
 
+@pytest.mark.parametrize("key", ["effects[4].velocity", "joints.elbow.stiffness", "links.forearm.mass"])
+def test_a_number_of_the_model_is_told_with_the_file_of_the_model(flexdyn: Runner, answer: Answer, key: str) -> None:
+    """What the data do not tell of an unknown number is mended there, and not in the recording."""
+    answer(fd.InputError("these data do not tell it", key=key, value="unknown", remedy="give it a value"))
+    outcome = flexdyn("diagnose", "scara_two_link", "a.csv", "-o", "out")
+    assert outcome.code == 2
+    assert outcome.err == (
+        f"flexdyn: scara_two_link: {key}: these data do not tell it, got 'unknown'; give it a value\n"
+    )
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
