@@ -11,6 +11,7 @@ from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+from unicodedata import category
 
 _LONGEST_ERROR_TEXT = 1_000_000
 _LONGEST_ERROR_LINE = 1000
@@ -222,7 +223,7 @@ def one_line(text: str) -> str:
 
 
 def visible(text: str, *, lines: bool = False) -> str:
-    """A text of any length for a terminal: control characters are escaped as in Python.
+    """A text of any length for a terminal: control characters are escaped as in Python; spaces of any width stay.
 
     Args:
         text: may contain names from a file.
@@ -230,9 +231,8 @@ def visible(text: str, *, lines: bool = False) -> str:
     """
     if text.isprintable():
         return text
-    return "".join(
-        letter if letter.isprintable() or (lines and letter == "\n") else repr(letter)[1:-1] for letter in text
-    )
+    shown = (letter.isprintable() or category(letter) == "Zs" or (lines and letter == "\n") for letter in text)
+    return "".join(letter if safe else repr(letter)[1:-1] for letter, safe in zip(text, shown, strict=True))
 
 
 def _clipped(text: str) -> str:

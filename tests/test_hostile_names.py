@@ -212,6 +212,7 @@ def test_lines_are_bounded_and_printable() -> None:
     assert len(str(fd.InputError("x " * 900, key="k " * 900, value="v " * 900, remedy="y " * 900))) == 1500
     assert visible("a\x1b\n\u202e") == r"a\x1b\n\u202e"
     assert visible("a\n\x07", lines=True) == "a\n\\x07"
+    assert visible("10\u202f837") == "10\u202f837"  # groups of digits, as in a report
 
 
 def test_the_paper_says_where_its_page_is(
