@@ -43,7 +43,7 @@ def draw_lacking(
             found.append(Hidden("coulomb_friction", j, "motor", {"level": level}))
         if rng.random() < STRIBECK:
             velocity = float(np.exp(rng.uniform(*np.log(SLOW))))
-            excess = {"excess": scale.torque(0.04, 0.15), "velocity": velocity, "exponent": 1.0}
+            excess = {"excess": scale.torque(0.04, 0.15), "velocity": velocity, "exponent": rng.uniform(1.0, 2.0)}
             found.append(Hidden("stribeck_friction", j, "motor", excess))
         if rng.random() < LOAD:
             found.append(Hidden("load_dependent_friction", j, "motor", {"coefficient": scale.draw(0.05, 0.2)}))

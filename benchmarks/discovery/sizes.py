@@ -146,7 +146,8 @@ def _asymmetric(s: Scale) -> Parameters:
 
 
 def _stribeck(s: Scale) -> Parameters:
-    return {"excess": s.torque(0.03, 0.07), "velocity": s.rng.uniform(0.03, 0.12), "exponent": 1.0}
+    exponent = float(s.rng.choice([1.0, 2.0]))  # both stand in the literature
+    return {"excess": s.torque(0.03, 0.07), "velocity": s.rng.uniform(0.03, 0.12), "exponent": exponent}
 
 
 def _swing(s: Scale) -> Parameters:

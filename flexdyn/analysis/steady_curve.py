@@ -45,7 +45,7 @@ def tried_laws() -> tuple[str, ...]:
 def numbers_of_law(law: str) -> tuple[str, ...]:
     """Names of the parameters of a law that a fit estimates: what it is linear in, then its speeds."""
     kind = find_effect(law)
-    return (*kind.linear, *kind.axes)
+    return (*kind.linear, *kind.moved_axes())
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +163,7 @@ class FrictionCurve:
 def _is_speed(name: str) -> bool:
     """Whether a law is not linear in a parameter: it is a speed, of which a grid is tried."""
     law, parameter = name.split(".")
-    return parameter in find_effect(law).axes
+    return parameter in find_effect(law).moved_axes()
 
 
 def _column(name: str, u: Array, speeds: Mapping[str, float]) -> Array:
@@ -171,7 +171,7 @@ def _column(name: str, u: Array, speeds: Mapping[str, float]) -> Array:
     law, parameter = name.split(".")
     kind = find_effect(law)
     alone = {each: float(each == parameter) for each in kind.linear}
-    return _torque(law, u, alone | {each: speeds[f"{law}.{each}"] for each in kind.axes})
+    return _torque(law, u, alone | {each: speeds[f"{law}.{each}"] for each in kind.moved_axes()})
 
 
 def _slope(name: str, u: Array, numbers: Mapping[str, float]) -> Array:

@@ -192,7 +192,7 @@ def _trial(
         why = f"{' and '.join(each for each in rival if each not in others)} explains the runs as well or better"
     elif min(one, two) < 0.0 or one + two < DECISIVE_DROP:
         why = "other speeds do not confirm it"
-    elif outside := [name for name in find_effect(law).axes if not _within(numbers[name][0], points.u)]:
+    elif outside := [name for name in find_effect(law).moved_axes() if not _within(numbers[name][0], points.u)]:
         why = f"its {outside[0]} is outside the recorded speeds"
     elif checked < -PREDICTION_RISE:
         why = "runs that were not used in the fit contradict it"

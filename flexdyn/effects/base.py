@@ -192,6 +192,11 @@ class Effect(Traits):
         """Whether no fit moves a parameter of a missing effect: it keeps its default or is one of a few values."""
         return name in cls.unproposed or bool(cls.declared(name)["chosen"])
 
+    @classmethod
+    def moved_axes(cls) -> tuple[str, ...]:
+        """Those of its `axes` whose values a fit moves, where others are one of a few values."""
+        return tuple(name for name in cls.axes if not cls.is_kept(name))
+
     def parts(self) -> tuple[Effect, ...]:
         """What it is in the plant: one effect for each law of the core that it has."""
         return (self,)

@@ -5,6 +5,11 @@ from __future__ import annotations
 from flexdyn.effects.joint_effect import JointEffect
 from flexdyn.effects.parameters import parameter, spaced
 
+STRIBECK_EXPONENTS = (1.0, 2.0)
+"""Exponents of a Stribeck curve that are tried: Tustin's (1947) and the paper's, and the Gaussian one [1]; Armstrong-
+Helouvry, Dupont and Canudas de Wit (Automatica 30, 1994) have both.
+"""
+
 
 class Friction(JointEffect, abstract=True):
     """Friction on the link or on the rotor that the velocity alone decides."""
@@ -98,7 +103,7 @@ class StribeckFriction(Friction):
     law = "excess*exp(-(abs(u)/velocity)^exponent)*Sgn(u)"
     shown = {"excess": 0.5, "velocity": 0.1}
     linear = ("excess",)
-    grids = {"velocity": ("speed", spaced(0.003, 0.4, 9))}
+    grids = {"velocity": ("speed", spaced(0.003, 0.4, 9)), "exponent": ("one", STRIBECK_EXPONENTS)}
     steady = True
     prevalence = "often"
 

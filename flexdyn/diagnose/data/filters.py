@@ -65,3 +65,18 @@ class Filters:
     def instants(self, samples: int) -> Indices:
         """Samples after the first filter to which the rows belong."""
         return self.second.half + self.every * np.arange(self.count(samples))
+
+
+def later(t: Array, x: Array, by: float) -> Array:
+    """A smooth signal later by a time, by cubic splines; its first and last values hold beyond.
+
+    Straight lines between the samples would smooth it once more, and its noise.
+
+    Args:
+        t: times of its samples [s].
+        x: the signal (samples,).
+        by: the time; negative: earlier [s].
+    """
+    from scipy.interpolate import CubicSpline
+
+    return np.asarray(CubicSpline(t, x)(np.clip(t - by, t[0], t[-1])))

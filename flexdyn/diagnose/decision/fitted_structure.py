@@ -87,5 +87,6 @@ def _log_between_points(space: Space, structure: Structure, made: Fit) -> float:
             first + k for k, (each, name) in enumerate(unknowns) if each is effect and name in candidate.proposal.axes
         ]
         if places and all(0.0 < sigma[k] < made.regression.sigma[k] < math.inf for k in places):
-            total += math.log(candidate.choices) + float(np.log(sigma[places] / made.regression.sigma[places]).sum())
+            grid = {tuple(point[k] for k in candidate.moved_axes) for point in candidate.proposal.grid}
+            total += math.log(len(grid)) + float(np.log(sigma[places] / made.regression.sigma[places]).sum())
     return total

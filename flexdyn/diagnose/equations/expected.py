@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexdyn.analysis.analysed_model import command_delays
 from flexdyn.arrays import Array
+from flexdyn.diagnose.data.filters import later
 from flexdyn.diagnose.data.measured import SIGNALS, Measured
 from flexdyn.diagnose.equations.covariance import Channel, SampleNoise, Terms, Whitener, coefficients, kernels_of
 from flexdyn.diagnose.equations.equations import Equations
@@ -53,8 +55,9 @@ def _less_noise(
         variance = float(getattr(noise, signal)[j]) ** 2
         found = variance * onto_samples(equations, channel, orders, rows, at, len(data.t))
         late = lag(sensors.get(f"{signal}.{equations.true.joint_names[j]}", ()))
-        # The recorded channel has it later by the lag that is taken off for the rows.
-        columns[signal][:, j] -= np.interp(data.t - late, data.t, found) if late else found
+        # The recorded channel has it later by the lag that is taken off for the rows, and a late command acts later.
+        late -= float(command_delays(equations.model)[j]) if signal == "tau" else 0.0
+        columns[signal][:, j] -= later(data.t, found, late) if late else found
     return dataclasses.replace(data, **columns)
 
 

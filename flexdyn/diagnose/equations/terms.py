@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array
+from flexdyn.diagnose.data.filters import later
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import CouplingEffect, DeflectionEffect, Effect, JointEffect, MemoryEffect
@@ -54,10 +55,8 @@ def torque_slope(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int)
 def _through_actuator(acting: Sequence[JointEffect], t: Array, theta: Array, omega: Array, tau: Array) -> Array:
     """A torque after some effects, one after the other (samples,)."""
     for effect in acting:
-        if effect.late_by:
-            tau = np.interp(t - effect.lateness, t, tau)
-        else:
-            tau = torque_of(effect, theta, omega, t=t, tau=tau)
+        late = bool(effect.late_by)
+        tau = later(t, tau, effect.lateness) if late else torque_of(effect, theta, omega, t=t, tau=tau)
     return tau
 
 

@@ -156,17 +156,20 @@ def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) 
     """Whitened derivatives of the file's numbers (rows, numbers); derivatives that have changed are computed again.
 
     These are those of numbers far from their given values, those of a joint whose encoders or spring were wrong,
-    because its deflection is smaller than sensor errors. Mass, centre of mass and inertia of a link multiply one
-    another: if one of them is far off, or the links carry more, all are computed again; so are those of links, and of
-    the joint, where an effect changes the torque from which a position is computed.
+    because its deflection is smaller than sensor errors, and those of a joint whose torque has another gain, in which
+    its rows are. Mass, centre of mass and inertia of a link multiply one another, and their torque winds the springs:
+    if one of them is far off, or the links carry more, all are computed again; so are those of links, and of the joint,
+    where an effect changes the torque from which a position is computed.
     """
     numbers, effects = hypothesis.factors, hypothesis.effects
     far = {n for n, factor in numbers.items() if abs(factor - 1.0) > SAME_DERIVATIVE_DISTANCE}
     computed = {name for name, is_computed in zip(at.true.joint_names, at.computed, strict=True) if is_computed}
     wound = {getattr(e, "joint", None) for e in effects} & computed
-    links = bool(wound) or any(n.joint is None for n in far) or any(e.stage == "inertia" for e in effects)
-    joints = wound | {getattr(e, "joint", None) for e in effects if isinstance(e, SensorEffect) or e.position_error}
-    anew = tuple(n for n in numbers if n in far or n.joint in joints or (links and n.joint is None))
+    carry = any(n.joint is None for n in far) or any(e.stage == "inertia" for e in effects)
+    wrong = (e for e in effects if isinstance(e, SensorEffect) or e.position_error or e.scales_torque)
+    joints = wound | {getattr(e, "joint", None) for e in wrong}
+    links = bool(wound) and not carry
+    anew = tuple(n for n in numbers if carry or n in far or n.joint in joints or (links and n.joint is None))
     if not anew:
         return space.numbers
     slopes = space.numbers.copy()

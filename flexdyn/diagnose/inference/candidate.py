@@ -65,6 +65,12 @@ class Candidate:
         plain = self.law.prevalence == "everywhere" and self.place.get("side") == "motor"
         return f"{EVERY_MOTOR} {self.kind}" if plain else self.kind
 
+    @cached_property
+    def moved_axes(self) -> tuple[int, ...]:
+        """Places of the nonlinear numbers that may lie between the grid's points: cycles, and those that fits move."""
+        axes = () if self.proposal is None else self.proposal.axes
+        return tuple(k for k, name in enumerate(axes) if name == self.law.cycles or name in self.law.moved_axes())
+
     @property
     def width(self) -> int:
         """Linear numbers."""

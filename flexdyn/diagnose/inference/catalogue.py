@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexdyn.arrays import Array
+from flexdyn.diagnose.data.filters import later
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
@@ -76,7 +77,7 @@ def _of_late_torque(equations: Equations, effect: SensorEffect) -> Array:
 
     def earlier(along: SmoothedMotion) -> tuple[str, Array]:
         needed = equations.needed(along, j)
-        return "motor", np.interp(along.t + effect.lateness, along.t, needed) - needed
+        return "motor", later(along.t, needed, -effect.lateness) - needed
 
     return equations.of_torque(j, earlier)
 

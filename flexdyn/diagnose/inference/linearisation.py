@@ -173,8 +173,11 @@ class Linearisation:
 
     @lazy
     def plain(self) -> Workspace:
-        """Weights by the sensors' noise alone."""
-        return weighed(self.near, self.noise, self.mask)
+        """Weights by the sensors' noise alone; where rows are full of it, they follow the numbers that it is times."""
+        made = weighed(self.near, self.noise, self.mask)
+        if not self.near.equations.noisy:
+            return made
+        return dataclasses.replace(made, anew=lambda at: weighed(self.near, self.noise, self.mask, at=at))
 
     def fitted(self, there: Hypothesis, steps: int, error: ModelError | None = None) -> Fit:
         """The fit of a hypothesis, with weights by what the last fit left until they suit it.

@@ -31,6 +31,7 @@ from flexdyn.diagnose.inference.odds_by_fits import (
 )
 from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import explore
+from flexdyn.diagnose.inference.shapes import likeliest_shapes
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, waits
 from flexdyn.diagnose.inference.weights import for_fit, quieter, rows_of
@@ -130,6 +131,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
     fitted = near.best_fitted(best, LAST_STEPS, whole=True)
     if not settled:
         best, fitted = most_likely_visited(space, best, fitted, visited)
+    fitted = likeliest_shapes(space, best, fitted)
     return Posterior(space, best, fitted, near.noise, settled, space.known, earlier=earlier)
 
 
