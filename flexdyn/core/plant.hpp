@@ -227,6 +227,7 @@ class Plant {
   // Of a rigid joint's dry friction, the part of its motor-side laws: before the gear.
   double motor_share(const Workspace& w, std::size_t contact, double t, const double* x) const;
   LawInput input(const Workspace& w, const Law& law, double t, const double* x) const;
+  LawInput spring_input(const Workspace& w, const Law& law, double t, const double* x) const;
   double level_of(const Workspace& w, const Law& law, double t, const double* x, double direction) const;
   double corner_rounding(const Law& law, const double* x) const;
   // The piece that a friction, dry or link law is on: the one held, else that of the point, which `follow` notes down.
