@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
 from flexdyn.control.commands import PD
 from flexdyn.control.setting_checks import per_joint
-from flexdyn.effects import Effect, JointEffect
 from flexdyn.effects.parameters import unit_for
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.resolved_parameters import units_of
 from flexdyn.records import Recording
 from flexdyn.records.signals.cut import with_channels
 from flexdyn.robot import load_robot
@@ -123,9 +122,8 @@ def places(model: FlexibleJointModel, command: Any) -> dict[str, NumberPlace]:
         for signal, unit in FIRST_UNITS.items():
             found[f"initial.{signal}.{name}"] = NumberPlace(_joint_unit(unit, slides), "initial", (signal,), joints)
     for i, effect in enumerate(model.effects):
-        for parameter in effect.parameters():
-            unit = unit_for(parameter.metadata["unit"], prismatic=_effect_slides(effect, kinds))
-            found[f"effects[{i}].{parameter.name}"] = NumberPlace(unit, "effects", (i,), (parameter.name,))
+        for parameter, unit in units_of(model.robot, effect).items():
+            found[f"effects[{i}].{parameter}"] = NumberPlace(unit, "effects", (i,), (parameter,))
     for i in range(3):
         found[f"robot.gravity[{i}]"] = NumberPlace("m/s^2", "gravity", (i,))
     for joint in model.robot.lock:
@@ -151,8 +149,3 @@ def _joint_unit(unit: str, slides: bool) -> str:
     if unit in ("1", "kg m^2"):
         return "rad/m" if slides and unit == "1" else unit
     return unit_for(unit, prismatic=slides)
-
-
-def _effect_slides(effect: Effect, kinds: Mapping[str, str]) -> bool:
-    """Whether an effect acts on a prismatic joint."""
-    return kinds.get(effect.joint if isinstance(effect, JointEffect) else "") == "prismatic"

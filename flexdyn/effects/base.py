@@ -160,6 +160,12 @@ class Effect(Traits):
         return next(field.metadata for field in cls.parameters() if field.name == name)
 
     @classmethod
+    def units(cls, *, prismatic: bool) -> dict[str, str]:
+        """The units of its parameters on a prismatic or a revolute joint."""
+        key = "prismatic_unit" if prismatic else "unit"
+        return {field.name: field.metadata[key] for field in cls.parameters()}
+
+    @classmethod
     def summary(cls) -> str:
         """The first sentence of the docstring."""
         return inspect.cleandoc(cls.__doc__ or "").split("\n")[0]

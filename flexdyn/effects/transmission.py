@@ -205,7 +205,7 @@ class KinematicError(WaveEffect, DeflectionEffect):
     Args:
         joint: its name; it must be elastic.
         amplitude: at the link [rad].
-        harmonic: cycles per reflected turn; once per motor turn is the gear ratio [1].
+        harmonic: cycles per reflected turn; once per motor turn is the gear ratio [1], of a prismatic joint [rad/m].
         phase: [rad].
     """
 

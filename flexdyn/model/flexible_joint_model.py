@@ -261,7 +261,7 @@ class FlexibleJointModel(Public):
         for name in unknown_masses(self.tolerance, self.robot.frame_names):
             raise refusal(f"links.{name}.mass", "kg")
         for i, name in unknown_parameters(self.tolerance, self.effects):
-            units = units_of(self.robot, self.effects[i], getattr(self.effects[i], "joint", None))
+            units = units_of(self.robot, self.effects[i])
             raise refusal(f"effects[{i}].{name}", units[name])
 
     def rigid(self) -> FlexibleJointModel:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.checks import check_known
-from flexdyn.effects import Effect, JointEffect, ParameterError, unit_for
+from flexdyn.effects import Effect, JointEffect, ParameterError
 from flexdyn.effects.model_error import effect_place, is_number_error
 from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.model.given_number import UNKNOWN
@@ -23,10 +23,10 @@ OF_URDF = {"urdf_damping": "damping", "urdf_friction": "friction"}
 OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
 
 
-def units_of(robot: Robot, effect: Effect, joint: str | None) -> dict[str, str]:
+def units_of(robot: Robot, effect: Effect) -> dict[str, str]:
     """The units of an effect's parameters, which are other ones where its joint slides."""
-    slides = joint is not None and robot.angle_unit(joint) == "m"
-    return {field.name: unit_for(str(field.metadata["unit"]), prismatic=slides) for field in effect.parameters()}
+    joint = getattr(effect, "joint", None)
+    return effect.units(prismatic=joint is not None and robot.angle_unit(joint) == "m")
 
 
 def folded(

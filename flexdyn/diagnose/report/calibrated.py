@@ -54,7 +54,7 @@ def _number_of(model: FlexibleJointModel, of: str, parameter: str) -> tuple[floa
     place = effect_place(of)
     if place is not None and place < len(model.effects):
         effect = model.effects[place]
-        units = units_of(model.robot, effect, getattr(effect, "joint", None))
+        units = units_of(model.robot, effect)
         if parameter in units:
             return float(getattr(effect, parameter)), units[parameter]
     if of in model.joint_names and parameter in UNITS:
