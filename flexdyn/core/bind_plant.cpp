@@ -209,6 +209,7 @@ void bind_plant(nb::module_& m) {
       .def_prop_ro("stage", [](const LawName& row) { return std::string(row.stage_name()); })
       .def_ro("parameters", &LawName::parameters)
       .def_prop_ro("has_state", [](const LawName& row) { return row.has(has_state); })
+      .def_prop_ro("conservative", [](const LawName& row) { return row.has(conservative); })
       .def_prop_ro("of_load", [](const LawName& row) { return is_of_load(row); });
   m.def("law_table", [] { return std::vector<LawName>(std::begin(law_table), std::end(law_table)); });
   nb::class_<Law>(m, "Law");

@@ -59,7 +59,7 @@ enum Trait : unsigned {
   has_corner = 1,                   // it has pieces: region_of and region_guard say which, for each
   corner_at_zero = 2 + has_corner,  // they meet where it is nothing itself: from there the motion decides on which it is
   has_state = 4,                    // it remembers: internal_rate, of an actuator winding_rate
-  keeps_energy = 8,                 // it gives back what it takes: spring_energy
+  conservative = 8,                 // it gives back what it takes: spring_energy
   adds_up = 16,                     // of a deflection: several at one joint are one, their first parameters added
   delays_command = 32,              // it acts on the command's time, not on its value
   beside_gap = 64,                  // it acts between rotor and link themselves, beside gap and kinematic error
@@ -92,7 +92,7 @@ inline constexpr LawName law_table[] = {
     {"warm_up_friction", LawKind::warm_up_friction, Stage::friction, 2},
     {"joint_coupling", LawKind::joint_coupling, Stage::friction, 1},
     {"transmission_damping", LawKind::transmission_damping, Stage::spring, 1, beside_gap},
-    {"hardening_spring", LawKind::hardening_spring, Stage::spring, 1, keeps_energy},
+    {"hardening_spring", LawKind::hardening_spring, Stage::spring, 1, conservative},
     {"backlash", LawKind::backlash, Stage::deflection, 1, has_corner | adds_up},
     {"spring_hysteresis", LawKind::spring_hysteresis, Stage::spring, 2, has_state},
     {"kinematic_error", LawKind::kinematic_error, Stage::deflection, 3},
@@ -105,8 +105,8 @@ inline constexpr LawName law_table[] = {
     {"dc_motor", LawKind::dc_motor, Stage::actuator, 3, has_corner},
     {"dc_winding", LawKind::dc_winding, Stage::actuator, 4, has_corner | has_state},
     {"command_delay", LawKind::command_delay, Stage::actuator, 1, delays_command},
-    {"parallel_spring", LawKind::parallel_spring, Stage::link, 2, keeps_energy},
-    {"position_torque", LawKind::position_torque, Stage::link, 4, keeps_energy},
+    {"parallel_spring", LawKind::parallel_spring, Stage::link, 2, conservative},
+    {"position_torque", LawKind::position_torque, Stage::link, 4, conservative},
     {"end_stop", LawKind::end_stop, Stage::link, 4, has_corner},
 };
 

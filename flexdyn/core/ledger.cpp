@@ -1,7 +1,5 @@
 #include "ledger.hpp"
 
-#include <cmath>
-
 namespace flexdyn {
 
 Ledger::Ledger(const Plant& plant, Plant::Workspace& work, Drive& drive)

@@ -9,7 +9,6 @@
 
 #include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "laws.hpp"
@@ -120,7 +119,6 @@ class Plant {
   double stiffness(int joint) const { return K_[joint]; }
   double damping(int joint) const { return D_[joint]; }
   int rotor_slot(int joint) const { return rotor_slot_[joint]; }
-  const std::vector<int>& elastic_joints() const { return elastic_; }
 
   bool coupled() const { return coupled_; }
   int velocities() const { return n_ + elastic(); }  // links, then rotors

@@ -1,6 +1,5 @@
 // Energy of the plant: what springs hold, and what each law takes out of the motion.
 #include <algorithm>
-#include <cmath>
 
 #include "plant.hpp"
 
@@ -27,7 +26,7 @@ void Plant::powers(const Workspace& w, double t, const double* x, const double* 
     law_power[law.index] = spring_torque(law.kind, law.p, {t, 0.0, rate}) * rate;
   }
   for (const Law& law : spring_) {
-    if (has(law.kind, keeps_energy)) continue;
+    if (has(law.kind, conservative)) continue;
     const LawInput in = spring_input(w, law, t, x);
     const double torque = law.callback ? (*law.callback)(in, 0.0) : spring_torque(law.kind, law.p, in);
     // In a gap the loop stands still while its torque still acts on what moves: the ledger counts that too.
@@ -42,7 +41,7 @@ void Plant::powers(const Workspace& w, double t, const double* x, const double* 
     law_power[law.index] = torque * in.u - stored;
   }
   for (const Law& law : link_) {
-    if (has(law.kind, keeps_energy)) continue;
+    if (has(law.kind, conservative)) continue;
     const LawInput in = input(w, law, t, x);
     law_power[law.index] = -link_torque(law.kind, law.p, in, region_at(w, law, in)) * in.u;
   }

@@ -3,16 +3,13 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Core>
 
+#include "matrices.hpp"
 #include "plant.hpp"
 
 namespace flexdyn {
 
 namespace {
-
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Eigen::Map;
 
 // Central differences of smooth scalar laws: the error is of the order 1e-10 relative.
 constexpr double difference = 6e-6;
@@ -217,7 +214,7 @@ void Plant::acceleration_slopes(const Workspace& w, const double* M_all, const d
     if (!w.located || !w.held[j]) free.push_back(j);
   }
   const int count = static_cast<int>(free.size());
-  Eigen::MatrixXd small(count, count), rows(count, size);
+  MatrixXd small(count, count), rows(count, size);
   for (int i = 0; i < count; ++i) {
     rows.row(i) = right.row(free[i]);
     for (int k = 0; k < count; ++k) small(i, k) = M(free[i], free[k]);

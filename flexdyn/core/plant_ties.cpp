@@ -1,22 +1,13 @@
 // Couplings of motors by dry friction, and windings: what their laws add to the plant.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/LU>
 
+#include "matrices.hpp"
 #include "plant.hpp"
 
 namespace flexdyn {
-
-namespace {
-
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Eigen::Map;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
-}  // namespace
 
 // Couplings of one pair of motors at one ratio add up.
 void Plant::sort_in_coupling(const Law& law) {

@@ -6,16 +6,12 @@
 
 #include <Eigen/Cholesky>
 
+#include "matrices.hpp"
 #include "step_contacts.hpp"
 
 namespace flexdyn {
 
 namespace {
-
-using Eigen::Map;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // An internal state z' = u - decay |u| z over a step at constant u: exact, however stiff the bristle is.
 struct Bristle {

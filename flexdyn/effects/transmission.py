@@ -88,7 +88,6 @@ class HardeningSpring(TransmissionEffect):
     """
 
     bends_spring = True
-    conservative = True
     law = "cubic*delta^3"
     shown = {"cubic": 2.0e8}
     linear = ("cubic",)
