@@ -65,7 +65,7 @@ enum Trait : unsigned {
   beside_gap = 64,                  // it acts between rotor and link themselves, beside gap and kinematic error
 };
 
-struct LawName {
+struct LawRow {
   std::string_view name;
   LawKind kind;
   Stage stage;
@@ -76,7 +76,7 @@ struct LawName {
 };
 
 // One row a law. Python reads it: a class of a law in it declares none of this again (flexdyn/effects/law_table.py).
-inline constexpr LawName law_table[] = {
+inline constexpr LawRow law_table[] = {
     {"viscous_friction", LawKind::viscous_friction, Stage::friction, 1},
     {"coulomb_friction", LawKind::coulomb_friction, Stage::dry, 1},
     {"asymmetric_friction", LawKind::asymmetric_friction, Stage::dry, 2},
@@ -111,16 +111,16 @@ inline constexpr LawName law_table[] = {
 };
 
 // The row of a name, null if there is none.
-inline const LawName* named(std::string_view name) {
-  for (const LawName& row : law_table) {
+inline const LawRow* named(std::string_view name) {
+  for (const LawRow& row : law_table) {
     if (row.name == name) return &row;
   }
   return nullptr;
 }
 
 // The row of a kind, null for a law written in Python.
-inline const LawName* row_of(LawKind kind) {
-  for (const LawName& row : law_table) {
+inline const LawRow* row_of(LawKind kind) {
+  for (const LawRow& row : law_table) {
     if (row.kind == kind) return &row;
   }
   return nullptr;
@@ -128,7 +128,7 @@ inline const LawName* row_of(LawKind kind) {
 
 inline bool has(LawKind kind, Trait trait) { return row_of(kind) != nullptr && row_of(kind)->has(trait); }
 // Dry friction in proportion to a load, which is nothing at no load.
-inline bool is_of_load(const LawName& row) { return row.has(corner_at_zero) && row.stage == Stage::dry; }
+inline bool is_of_load(const LawRow& row) { return row.has(corner_at_zero) && row.stage == Stage::dry; }
 inline bool is_of_load(LawKind kind) { return row_of(kind) != nullptr && is_of_load(*row_of(kind)); }
 
 }  // namespace flexdyn
