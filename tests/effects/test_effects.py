@@ -139,7 +139,7 @@ def test_units_on_a_prismatic_joint() -> None:
 
 def test_units_of_waves_on_a_prismatic_joint(tmp_path: Path) -> None:
     """A phase is an angle of a cycle on every joint; a harmonic is cycles in 2 pi m, in the unit of the gear ratio."""
-    wave = {"harmonic": 3.0, "phase": 0.5}
+    wave: dict[str, Any] = {"harmonic": 3.0, "phase": 0.5}
     effects = [
         fd.effects.KinematicError("lift", amplitude=1e-3, **wave),
         fd.effects.TorqueRipple("lift", amplitude=1.0, **wave),
