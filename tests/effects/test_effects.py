@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import flexdyn as fd
 from flexdyn.batch.places import places
 from flexdyn.cli.info import _effect as shown_effect
+from flexdyn.diagnose.decision.suspects import numbers_of
 from flexdyn.effects import (
     CoulombFriction,
     JointEffect,
@@ -151,6 +152,8 @@ def test_units_of_waves_on_a_prismatic_joint(tmp_path: Path) -> None:
     assert [units.pop("amplitude") for units in found] == ["m", "N", "N", "m"]
     assert found == [{"harmonic": "rad/m", "phase": "rad"}] * 4
     assert [effect.units(prismatic=False)["harmonic"] for effect in effects] == ["1"] * 4
+    reported = numbers_of(model, effects[0], None)
+    assert {name: number.unit for name, number in reported.items()} == units_of(model.robot, effects[0])
     varied = places(model, None)
     assert varied["effects[1].phase"].unit == "rad"
     assert varied["effects[3].amplitude"].unit == "m"
