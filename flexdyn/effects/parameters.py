@@ -10,6 +10,7 @@ import numpy as np
 
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError
+from flexdyn.records.units import unit_for
 
 USUAL_SIZES = {"N m": 1.0, "N m s/rad": 0.5, "N m/rad": 100.0, "rad": 0.01, "rad/s": 0.5, "s": 0.01}
 """Unit -> a typical value in it, with which the documentation shows an effect."""
@@ -89,13 +90,3 @@ def checked_number(effect: str, field: dataclasses.Field[Any], value: Any, neutr
         bound = f"above {lower:g}" if strict else f"at least {lower:g}"
         raise InputError(f"it must be {bound} [{unit}]", key=place, value=number)
     return number
-
-
-def unit_for(unit: str, *, prismatic: bool) -> str:
-    """A unit on this kind of joint: for a prismatic joint N m becomes N, and rad becomes m.
-
-    Example:
-        >>> fd.effects.unit_for("N m s/rad", prismatic=True)
-        'N s/m'
-    """
-    return unit.replace("N m", "N").replace("rad", "m") if prismatic else unit

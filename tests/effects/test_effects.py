@@ -15,6 +15,7 @@ import flexdyn as fd
 from flexdyn.batch.places import places
 from flexdyn.cli.info import _effect as shown_effect
 from flexdyn.diagnose.decision.suspects import numbers_of
+from flexdyn.diagnose.report.calibrated import number_as_given
 from flexdyn.effects import (
     CoulombFriction,
     JointEffect,
@@ -154,7 +155,10 @@ def test_units_of_waves_on_a_prismatic_joint(tmp_path: Path) -> None:
     assert [effect.units(prismatic=False)["harmonic"] for effect in effects] == ["1"] * 4
     reported = numbers_of(model, effects[0], None)
     assert {name: number.unit for name, number in reported.items()} == units_of(model.robot, effects[0])
+    numbers = {"gear_ratio": "rad/m", "rotor_inertia": "kg m^2", "stiffness": "N/m", "damping": "N s/m"}
+    assert {name: number_as_given(model, "lift", name)[1] for name in numbers} == numbers | {"damping": "1"}
     varied = places(model, None)
+    assert {name: varied[f"joints.lift.{name}"].unit for name in numbers} == numbers
     assert varied["effects[1].phase"].unit == "rad"
     assert varied["effects[3].amplitude"].unit == "m"
     shown = shown_effect(model, effects[3], "")["parameters"]
