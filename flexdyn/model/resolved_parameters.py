@@ -14,10 +14,9 @@ from flexdyn.effects import Effect, JointEffect, ParameterError
 from flexdyn.effects.model_error import effect_place, is_number_error
 from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.model.given_number import UNKNOWN
-from flexdyn.model.joint import Joint
+from flexdyn.model.joint import JOINT_UNITS, Joint
 from flexdyn.robot import Robot
 
-JOINT_NUMBERS = ("gear_ratio", "rotor_inertia", "stiffness", "damping")
 OF_MOTOR = ("torque_constant", "resistance")
 OF_URDF = {"urdf_damping": "damping", "urdf_friction": "friction"}
 OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
@@ -110,7 +109,7 @@ def _fold_joint(robot: Robot, numbers: dict[str, dict[str, Any]], error: Paramet
     if error.of not in numbers:
         remedy = did_you_mean(error.of, [*numbers, *robot.frame_names])
         raise InputError("no such joint, link or effect", key="of", value=error.of, remedy=remedy)
-    _check_parameter(error, [*JOINT_NUMBERS, *OF_MOTOR, *OF_URDF, *OF_LINK], "a joint")
+    _check_parameter(error, [*JOINT_UNITS, *OF_MOTOR, *OF_URDF, *OF_LINK], "a joint")
     own = numbers[error.of]
     if error.parameter in OF_MOTOR:
         if own["actuator"] is None:
