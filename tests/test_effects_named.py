@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import flexdyn
+from flexdyn import _core
 from flexdyn.effects import base, catalogue
 
 PACKAGE = Path(flexdyn.__file__).parent
@@ -109,6 +110,17 @@ def test_code_names_no_single_effect(folder: str) -> None:
     naming = {path.relative_to(PACKAGE).as_posix(): found for path in inside if (found := named(path))}
     listed = {file: set(names.split()) for file, (names, _) in MAKES.items() if file.split("/")[0] == folder}
     assert naming == listed
+
+
+def test_the_core_names_laws_in_two_files() -> None:
+    """A new law needs its row, its formula and nothing else; a law written in Python is of no row."""
+    core = Path(__file__).parents[1] / "flexdyn" / "core"
+    files = [path for path in core.glob("*.?pp") if path.name not in ("law_table.hpp", "laws.hpp")]
+    assert len(files) > 40
+    found = {law for path in files for law in re.findall(r"LawKind::(\w+)", path.read_text(encoding="utf-8"))}
+    assert found == {"callback"}
+    rows = re.findall(r"LawKind::(\w+), Stage", (core / "law_table.hpp").read_text(encoding="utf-8"))
+    assert sorted(rows) == sorted(row.name for row in _core.law_table())
 
 
 def test_messages_ask_for_names_too() -> None:

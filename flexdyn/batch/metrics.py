@@ -20,9 +20,8 @@ from flexdyn.batch.catalogue import METRICS, Metric, RunMetric
 from flexdyn.batch.motion import RunsMotion
 from flexdyn.errors import InputError, did_you_mean, placed, retold
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.records.units import unit_for
 
-_SLIDING = {"N m": "N", "rad": "m"}
-"""Units for prismatic joints."""
 _importing = Lock()
 
 
@@ -73,7 +72,7 @@ def metrics_of(
         with placed(key=f"metrics[{i}]"):
             each = metric(name, folder)
             _check_needs(each, model, aim)
-        found.append(replace(each, unit=_SLIDING.get(each.unit, each.unit)) if _joints_slide(model, each) else each)
+        found.append(replace(each, unit=unit_for(each.unit, prismatic=_joints_slide(model, each))))
     return tuple(found)
 
 

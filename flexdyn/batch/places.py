@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
 from flexdyn.control.commands import PD
 from flexdyn.control.setting_checks import per_joint
-from flexdyn.effects import Effect, JointEffect
-from flexdyn.effects.parameters import unit_for
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.joint import JOINT_UNITS
+from flexdyn.model.resolved_parameters import units_of
 from flexdyn.records import Recording
 from flexdyn.records.signals.cut import with_channels
+from flexdyn.records.units import unit_for
 from flexdyn.robot import load_robot
 
-JOINT_UNITS = {"gear_ratio": "1", "rotor_inertia": "kg m^2", "stiffness": "N m/rad", "damping": "N m s/rad"}
 FIRST_UNITS = {"q": "rad", "theta": "rad", "v": "rad/s", "omega": "rad/s"}
 GAIN_UNITS = {"kp": "N m/rad", "kd": "N m s/rad"}
 
@@ -118,14 +117,14 @@ def places(model: FlexibleJointModel, command: Any) -> dict[str, NumberPlace]:
     groups += [(joint, (joint,), kind == "prismatic") for joint, kind in kinds.items()]
     found: dict[str, NumberPlace] = {}
     for name, joints, slides in groups:
-        for number, unit in JOINT_UNITS.items():
-            found[f"joints.{name}.{number}"] = NumberPlace(_joint_unit(unit, slides), "joints", joints, (number,))
+        for number, units in JOINT_UNITS.items():
+            found[f"joints.{name}.{number}"] = NumberPlace(units[slides], "joints", joints, (number,))
         for signal, unit in FIRST_UNITS.items():
-            found[f"initial.{signal}.{name}"] = NumberPlace(_joint_unit(unit, slides), "initial", (signal,), joints)
+            unit = unit_for(unit, prismatic=slides)
+            found[f"initial.{signal}.{name}"] = NumberPlace(unit, "initial", (signal,), joints)
     for i, effect in enumerate(model.effects):
-        for parameter in effect.parameters():
-            unit = unit_for(parameter.metadata["unit"], prismatic=_effect_slides(effect, kinds))
-            found[f"effects[{i}].{parameter.name}"] = NumberPlace(unit, "effects", (i,), (parameter.name,))
+        for parameter, unit in units_of(model.robot, effect).items():
+            found[f"effects[{i}].{parameter}"] = NumberPlace(unit, "effects", (i,), (parameter,))
     for i in range(3):
         found[f"robot.gravity[{i}]"] = NumberPlace("m/s^2", "gravity", (i,))
     for joint in model.robot.lock:
@@ -143,16 +142,5 @@ def _command_places(command: Any, groups: list[tuple[str, tuple[str, ...], bool]
     for gain, unit in GAIN_UNITS.items():
         for name, joints, slides in groups:
             path = f"command.pd.{gain}" if name == "*" else f"command.pd.{gain}.{name}"
-            found[path] = NumberPlace(_joint_unit(unit, slides), "gains", (gain,), joints)
+            found[path] = NumberPlace(unit_for(unit, prismatic=slides), "gains", (gain,), joints)
     return found
-
-
-def _joint_unit(unit: str, slides: bool) -> str:
-    if unit in ("1", "kg m^2"):
-        return "rad/m" if slides and unit == "1" else unit
-    return unit_for(unit, prismatic=slides)
-
-
-def _effect_slides(effect: Effect, kinds: Mapping[str, str]) -> bool:
-    """Whether an effect acts on a prismatic joint."""
-    return kinds.get(effect.joint if isinstance(effect, JointEffect) else "") == "prismatic"

@@ -35,7 +35,8 @@ def effects(
     """List the effects that a model can have; describe one and draw its law.
 
     In a law x is the position and u the velocity on the effect's side (link: q, v; motor: theta, omega), Sgn the
-    set-valued sign, tau the motor's torque. For a prismatic joint, N m becomes N, and rad becomes m.
+    set-valued sign, tau the motor's torque. For a prismatic joint, N m becomes N, and rad becomes m;
+    a phase stays in rad, and a harmonic is in rad/m.
     """
     if name is None and output is not None:
         raise InputError("say which effect to draw", key="NAME", remedy=f"one of {', '.join(catalogue())}")

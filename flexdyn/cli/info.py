@@ -155,7 +155,7 @@ def _joint(model: FlexibleJointModel, j: int, q: float, inertia: float) -> dict[
 def _effect(model: FlexibleJointModel, effect: Effect, origin: str) -> dict[str, Any]:
     """The entry of an effect: where it acts, its numbers with units, and where it comes from."""
     joint = effect.joint if isinstance(effect, JointEffect) else None
-    units = units_of(model.robot, effect, joint)
+    units = units_of(model.robot, effect)
     numbers = {name: {"value": getattr(effect, name), "unit": unit} for name, unit in units.items()}
     known = {"joint", "side", *numbers}
     others = {f.name: getattr(effect, f.name) for f in fields(effect) if f.name not in known}  # type: ignore[arg-type]

@@ -6,9 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flexdyn.cli.output import cell, table
-
-UNITS = {"torque_constant": "N m/A", "resistance": "ohm", "supply": "V", "current_limit": "A", "inductance": "H"}
-"""Of a DC motor's numbers."""
+from flexdyn.model.actuator import MOTOR_UNITS
 
 
 def motors(joints: Sequence[Mapping[str, Any]]) -> Any:
@@ -18,13 +16,13 @@ def motors(joints: Sequence[Mapping[str, Any]]) -> Any:
         joints: of the document of `flexdyn info`.
     """
     driven = [(joint["name"], joint["actuator"]) for joint in joints if joint["actuator"] is not None]
-    columns = ("joint", *(name.replace("_", " ") for name in UNITS), "firmware")
+    columns = ("joint", *(name.replace("_", " ") for name in MOTOR_UNITS), "firmware")
     rows = [
         (
             name,
             *(
                 f"{cell(drive['dc_motor'][key])} {unit}" if key in drive["dc_motor"] else "-"
-                for key, unit in UNITS.items()
+                for key, unit in MOTOR_UNITS.items()
             ),
             _firmware(drive.get("firmware")),
         )

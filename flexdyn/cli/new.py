@@ -12,7 +12,7 @@ from typing import Annotated
 from flexdyn.cli.options import flag, model_argument, output_file, output_option
 from flexdyn.cli.output import cell, show
 from flexdyn.cli.target import MODEL_SUFFIXES
-from flexdyn.effects import catalogue, unit_for
+from flexdyn.effects import catalogue
 from flexdyn.errors import InputError
 from flexdyn.io.files import write_text
 from flexdyn.io.text import fill
@@ -118,6 +118,6 @@ def _effect_entries(model: FlexibleJointModel) -> Iterator[tuple[str, str]]:
         entry = example_entry(kind, first, *others[:1])
         if "other" in entry and not others:
             continue
-        units = {field.name: unit_for(field.metadata["unit"], prismatic=prismatic) for field in kind.parameters()}
+        units = kind.units(prismatic=prismatic)
         values = (f"{key}: {quoted(value) if isinstance(value, str) else value}" for key, value in entry.items())
         yield ", ".join(values), ", ".join(f"{key} {unit}" for key, unit in units.items() if unit != "1")

@@ -53,12 +53,11 @@ class MotionSource:
         return self.recording.unit(channel) if self.run is not None or channel in units else ""
 
 
-def as_source(given: Any, name: str = "") -> MotionSource:
+def as_source(given: Any) -> MotionSource:
     """Convert anything that can be drawn to a motion.
 
     Args:
         given: a run, a recording, the path of a recording, or a table of pandas or xarray.
-        name: its name; default: that of the recording or of the run's model.
 
     Raises:
         InputError: it is something else, or the file has a fault.
@@ -66,9 +65,9 @@ def as_source(given: Any, name: str = "") -> MotionSource:
     if isinstance(given, MotionSource):
         return given
     if isinstance(given, Run):
-        return MotionSource(printable(name or given.model.name).strip() or "run", _true(given), given)
+        return MotionSource(printable(given.model.name).strip() or "run", _true(given), given)
     given = as_recording(given)
-    return MotionSource(printable(name or given.name).strip() or "recording", given)
+    return MotionSource(printable(given.name).strip() or "recording", given)
 
 
 def as_sources(given: Sequence[Any]) -> tuple[MotionSource, ...]:

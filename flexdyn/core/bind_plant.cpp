@@ -10,8 +10,8 @@ namespace flexdyn {
 
 namespace {
 
-const LawName& find_law(const std::string& name) {
-  const LawName* found = named(name);
+const LawRow& find_law(const std::string& name) {
+  const LawRow* found = named(name);
   if (found == nullptr) throw std::invalid_argument("no such law: " + name);
   return *found;
 }
@@ -37,7 +37,7 @@ class PythonLaw : public CallbackLaw {
 
 Law make_law(const std::string& name, int joint, const std::string& side, const std::vector<double>& parameters,
              int other, const std::vector<double>& row) {
-  const LawName& entry = find_law(name);
+  const LawRow& entry = find_law(name);
   require(static_cast<int>(parameters.size()) == entry.parameters, "wrong number of parameters for this law");
   Law law{entry.kind, entry.stage, joint, side_of(side), {}, nullptr, other};
   require(row.empty() || law.stage == Stage::link, "a law on several joints is of stage link");
@@ -204,13 +204,14 @@ std::shared_ptr<Plant> make_plant(std::shared_ptr<LinkDynamics> links, Array sti
 }  // namespace
 
 void bind_plant(nb::module_& m) {
-  nb::class_<LawName>(m, "LawRow")
-      .def_prop_ro("name", [](const LawName& row) { return std::string(row.name); })
-      .def_prop_ro("stage", [](const LawName& row) { return std::string(row.stage_name()); })
-      .def_ro("parameters", &LawName::parameters)
-      .def_ro("has_state", &LawName::has_state)
-      .def_prop_ro("of_load", [](const LawName& row) { return is_of_load(row); });
-  m.def("law_table", [] { return std::vector<LawName>(std::begin(law_table), std::end(law_table)); });
+  nb::class_<LawRow>(m, "LawRow")
+      .def_prop_ro("name", [](const LawRow& row) { return std::string(row.name); })
+      .def_prop_ro("stage", [](const LawRow& row) { return std::string(row.stage_name()); })
+      .def_ro("parameters", &LawRow::parameters)
+      .def_prop_ro("has_state", [](const LawRow& row) { return row.has(has_state); })
+      .def_prop_ro("conservative", [](const LawRow& row) { return row.has(conservative); })
+      .def_prop_ro("of_load", [](const LawRow& row) { return is_of_load(row); });
+  m.def("law_table", [] { return std::vector<LawRow>(std::begin(law_table), std::end(law_table)); });
   nb::class_<Law>(m, "Law");
   m.def("law", &make_law, nb::arg("name"), nb::arg("joint"), nb::arg("side"), nb::arg("parameters"),
         nb::arg("other") = -1, nb::arg("row") = std::vector<double>());

@@ -141,9 +141,9 @@ bool Events::at_rest(double t, const std::vector<double>& x) {
   if (std::any_of(x.begin() + N, x.begin() + 2 * N, [](double u) { return u != 0.0; })) return false;
   evaluate(t, x.data(), true);
   if (std::any_of(dx_.begin() + 2 * N, dx_.end(), [](double rate) { return rate != 0.0; })) return false;
-  Eigen::MatrixXd H(N, N);  // symmetric
+  MatrixXd H(N, N);  // symmetric
   plant_.inertia(work_, x.data(), H.data());
-  const Eigen::VectorXd left = H * Eigen::Map<const Eigen::VectorXd>(dx_.data() + N, N);
+  const VectorXd left = H * Map<const VectorXd>(dx_.data() + N, N);
   for (int j = 0; j < n; ++j) {
     const int slot = plant_.rotor_slot(j);
     double size = std::abs(work_.drive[j]) + std::abs(work_.tau_applied[j]);

@@ -3,8 +3,8 @@
 // Laws with a corner (dead zone, end stop, torque-speed line) take a region: the piece they are on. Solvers that
 // locate events fix the region over a step and go on smoothly past the corner; the others ask for it at every point.
 //
-// A new law needs a kind and a row in law_table.hpp, its formula in the function of its stage, and, where it has a corner,
-// its cases in region_of and region_guard.
+// A new law needs a kind and a row in law_table.hpp, its formula in the function of its stage, and its cases in the
+// functions that its traits name. No other file of the core names one.
 #pragma once
 
 #include <algorithm>
@@ -23,6 +23,19 @@ struct LawInput {
   double tau_s = 0.0;  // transmission torque, for load-dependent friction
   double other = 0.0;  // velocity of another joint's rotor, for joint coupling
 };
+
+// The spring of a law that remembers, of torque stiffness z + damping z' and z' = u - decay |u| z.
+struct BristleSpring {
+  double stiffness, damping, decay;
+};
+
+inline BristleSpring bristle_spring(LawKind kind, const double* p) {
+  switch (kind) {
+    case LawKind::presliding_friction: return {p[1], p[2], p[1] / p[0]};
+    case LawKind::spring_hysteresis: return {p[0], 0.0, 1.0 / p[1]};
+    default: return {0.0, 0.0, 1.0};
+  }
+}
 
 // z' of a law with an internal state; u is the velocity that drives it.
 inline double internal_rate(LawKind kind, const double* p, const LawInput& in) {
@@ -45,6 +58,12 @@ inline double friction_torque(LawKind kind, const double* p, const LawInput& in,
     default: return 0.0;
   }
 }
+
+// Its slope by the velocity of the other joint [N m s/rad].
+inline double coupling_slope(LawKind kind, const double* p) { return kind == LawKind::joint_coupling ? p[0] : 0.0; }
+
+// A dry law between two motors rubs at omega - ratio omega of the other.
+inline double coupling_ratio(const double* p) { return p[1]; }
 
 // Level L >= 0 of a dry law on its region in a direction of motion (+1 or -1); its torque is direction * L [N m].
 inline double dry_level(LawKind kind, const double* p, const LawInput& in, double direction, int region) {
@@ -93,6 +112,9 @@ inline double deflection_slope(LawKind kind, const double* p, double theta) {
   return kind == LawKind::kinematic_error ? p[0] * p[1] * std::cos(p[1] * theta + p[2]) : 0.0;
 }
 
+// Whether a deflection that changes changes it: not in a gap.
+inline bool passes_deflection(LawKind kind, int region) { return kind != LawKind::backlash || region != 0; }
+
 // Torque on the link, right side of its equation [N m]. An end stop presses, it never pulls.
 inline double link_torque(LawKind kind, const double* p, const LawInput& in, int region) {
   switch (kind) {
@@ -102,6 +124,18 @@ inline double link_torque(LawKind kind, const double* p, const LawInput& in, int
     case LawKind::end_stop:
       return region == 0 ? 0.0 : -(p[2] * (in.x - (region > 0 ? p[1] : p[0])) + p[3] * in.u);
     default: return 0.0;
+  }
+}
+
+// Energy that the spring of a law holds [J]: 0 of one that has none.
+inline double spring_energy(LawKind kind, const double* p, const LawInput& in) {
+  switch (kind) {
+    case LawKind::hardening_spring: return 0.25 * p[0] * in.x * in.x * in.x * in.x;
+    case LawKind::parallel_spring: return 0.5 * p[0] * (in.x - p[1]) * (in.x - p[1]);
+    case LawKind::position_torque:
+      return p[0] * std::sin(in.x) - p[1] * std::cos(in.x) +
+             0.5 * (p[2] * std::sin(2.0 * in.x) - p[3] * std::cos(2.0 * in.x));
+    default: return 0.5 * bristle_spring(kind, p).stiffness * in.z * in.z;
   }
 }
 
@@ -122,8 +156,17 @@ inline double winding_mean(const double* p, const LawInput& in, double tau, doub
   return settled + share * (in.z - settled);
 }
 
+inline double winding_limit(const double* p) { return p[2]; }
+// L/k^2 = (L/R)/(k^2/R) [J/(N m)^2]: half of it times the square of the torque is the energy in its inductance.
+inline double winding_inductance(const double* p) { return p[3] / p[1]; }
+
 // Part of a winding's limit that rounding may make of a current at it.
 constexpr double winding_slack = 1e-12;
+
+// Whether a law with these numbers has its corner at all: a winding without a limit has none.
+inline bool reaches_corner(LawKind kind, const double* p) {
+  return has(kind, has_corner) && !(kind == LawKind::dc_winding && std::isinf(winding_limit(p)));
+}
 
 // Inside, above or below a limit on both sides.
 inline int piece_of(double value, double limit) { return value > limit ? 1 : value < -limit ? -1 : 0; }

@@ -1,7 +1,5 @@
 #include "ledger.hpp"
 
-#include <cmath>
-
 namespace flexdyn {
 
 Ledger::Ledger(const Plant& plant, Plant::Workspace& work, Drive& drive)
@@ -18,7 +16,7 @@ void Ledger::advance(Stepper& stepper, double t) {
     for (const Law& law : plant_.actuators()) {
       if (law.state < 0) continue;
       const double before = plant_.z(x_.data())[law.state], after = plant_.z(dx_.data())[law.state];
-      sums_[law.joint] += 0.5 * law.p[3] / law.p[1] * (after * after - before * before);
+      sums_[law.joint] += 0.5 * winding_inductance(law.p) * (after * after - before * before);
     }
   }
   for (int i = 0; i < 3; ++i) {

@@ -6,21 +6,17 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Core>
 
 #include "joint_collection.hpp"
 #include "link_dynamics.hpp"
+#include "matrices.hpp"
 
 namespace flexdyn {
 
 namespace pin = pinocchio;
-using Eigen::Map;
 using Eigen::Matrix3d;
-using Eigen::MatrixXd;
 using Eigen::Vector3d;
-using Eigen::VectorXd;
 using RowMatrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 struct LinkDynamics::Impl {
   // The independent joints' numbers as those of the whole tree.

@@ -3,7 +3,6 @@
 
 #include <functional>
 #include <limits>
-#include <memory>
 #include <vector>
 
 #include "commands.hpp"

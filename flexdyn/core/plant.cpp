@@ -21,28 +21,25 @@ Plant::Plant(std::shared_ptr<const LinkDynamics> links, std::vector<double> stif
     sort_in(law);
   }
   plain_ = deflection_.empty() && spring_.empty() && damper_.empty();
-  // The kinematic error comes before the dead zone.
-  std::stable_partition(deflection_.begin(), deflection_.end(),
-                        [](const Law& law) { return law.kind == LawKind::kinematic_error; });
+  // Smooth laws, such as the kinematic error, come before the dead zone.
+  std::stable_partition(deflection_.begin(), deflection_.end(), [](const Law& law) { return law.region < 0; });
 }
 
 void Plant::sort_in(Law law) {
-  if (law.kind == LawKind::backlash) {
-    // Gaps in one transmission add up to one dead zone.
+  if (has(law.kind, adds_up)) {  // gaps in one transmission are one dead zone
     for (Law& known : deflection_) {
-      if (known.kind != LawKind::backlash || known.joint != law.joint) continue;
+      if (known.kind != law.kind || known.joint != law.joint) continue;
       known.p[0] += law.p[0];
-      switches_[known.region].p[0] = known.p[0];
+      if (known.region >= 0) switches_[known.region].p[0] = known.p[0];
       return;
     }
   }
-  if (law.kind == LawKind::command_delay) {
+  if (has(law.kind, delays_command)) {
     delay_[law.joint] += law.p[0];
     return;
   }
-  if (has_state(law.kind)) law.state = internal_++;
-  const bool unlimited = law.kind == LawKind::dc_winding && std::isinf(law.p[2]);
-  if (corner_of(law.kind) != Corner::none && !unlimited) {
+  if (has(law.kind, has_state)) law.state = internal_++;
+  if (reaches_corner(law.kind, law.p)) {
     law.region = switches();
     switches_.push_back(law);
   }
@@ -52,7 +49,7 @@ void Plant::sort_in(Law law) {
       actuator_.push_back(law);
       return;
     case Stage::deflection: deflection_.push_back(law); return;
-    case Stage::spring: (law.kind == LawKind::transmission_damping ? damper_ : spring_).push_back(law); return;
+    case Stage::spring: (has(law.kind, beside_gap) ? damper_ : spring_).push_back(law); return;
     case Stage::friction: friction_.push_back(law); return;
     case Stage::link:
       spans_ = spans_ || !law.row.empty();
@@ -60,7 +57,7 @@ void Plant::sort_in(Law law) {
       return;
     case Stage::dry: break;
   }
-  if (law.kind == LawKind::dry_coupling) return sort_in_coupling(law);
+  if (law.other >= 0) return sort_in_coupling(law);
   const bool rigid = rotor_slot_[law.joint] < 0;
   auto contact = std::find_if(dry_.begin(), dry_.end(), [&](const DryContact& c) {
     return !c.couples() && c.joint == law.joint && (rigid || c.side == law.side);

@@ -9,7 +9,6 @@
 
 #include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "laws.hpp"
@@ -120,7 +119,6 @@ class Plant {
   double stiffness(int joint) const { return K_[joint]; }
   double damping(int joint) const { return D_[joint]; }
   int rotor_slot(int joint) const { return rotor_slot_[joint]; }
-  const std::vector<int>& elastic_joints() const { return elastic_; }
 
   bool coupled() const { return coupled_; }
   int velocities() const { return n_ + elastic(); }  // links, then rotors
@@ -227,6 +225,7 @@ class Plant {
   // Of a rigid joint's dry friction, the part of its motor-side laws: before the gear.
   double motor_share(const Workspace& w, std::size_t contact, double t, const double* x) const;
   LawInput input(const Workspace& w, const Law& law, double t, const double* x) const;
+  LawInput spring_input(const Workspace& w, const Law& law, double t, const double* x) const;
   double level_of(const Workspace& w, const Law& law, double t, const double* x, double direction) const;
   double corner_rounding(const Law& law, const double* x) const;
   // The piece that a friction, dry or link law is on: the one held, else that of the point, which `follow` notes down.

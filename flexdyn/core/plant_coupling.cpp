@@ -8,20 +8,11 @@
 #include <limits>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Core>
 
+#include "matrices.hpp"
 #include "plant.hpp"
 
 namespace flexdyn {
-
-namespace {
-
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Eigen::Map;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
-}  // namespace
 
 void Plant::couple_rotors(Workspace& w, const double* x) const {
   const std::size_t n = n_;

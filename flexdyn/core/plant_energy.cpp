@@ -1,6 +1,5 @@
 // Energy of the plant: what springs hold, and what each law takes out of the motion.
 #include <algorithm>
-#include <cmath>
 
 #include "plant.hpp"
 
@@ -19,33 +18,32 @@ void Plant::powers(const Workspace& w, double t, const double* x, const double* 
   for (const Law& law : actuator_) {  // what a winding takes into its inductance comes from its driver as well
     if (law.state < 0 || w.winding_step < 0.0 || (law.region >= 0 && w.region[law.region] != 0)) continue;
     const LawInput in = input(w, law, t, x);
-    out[law.joint] += law.p[3] / law.p[1] * in.z * winding_rate(law.p, in, w.winding_input[law.state]);
+    out[law.joint] += winding_inductance(law.p) * in.z * winding_rate(law.p, in, w.winding_input[law.state]);
   }
   for (const int j : elastic_) damping[j] = D_[j] * (w.omega[j] - v_[j]) * (w.omega[j] - v_[j]);
   for (const Law& law : damper_) {
     const double rate = w.omega[law.joint] - v_[law.joint];
-    law_power[law.index] = law.p[0] * rate * rate;
+    law_power[law.index] = spring_torque(law.kind, law.p, {t, 0.0, rate}) * rate;
   }
   for (const Law& law : spring_) {
-    LawInput in{t, w.deflection[law.joint], w.deflection_rate[law.joint]};
-    if (law.callback) law_power[law.index] = (*law.callback)(in, 0.0) * in.u;
-    if (law.state < 0) continue;
-    in.z = z(x)[law.state];
+    if (has(law.kind, conservative)) continue;
+    const LawInput in = spring_input(w, law, t, x);
+    const double torque = law.callback ? (*law.callback)(in, 0.0) : spring_torque(law.kind, law.p, in);
     // In a gap the loop stands still while its torque still acts on what moves: the ledger counts that too.
     const double rate = w.rotor_gain[law.joint] * w.omega[law.joint] - v_[law.joint];
-    law_power[law.index] = spring_torque(law.kind, law.p, in) * (rate - internal_rate(law.kind, law.p, in));
+    law_power[law.index] = torque * (law.state < 0 ? in.u : rate - internal_rate(law.kind, law.p, in));
   }
   for (const Law& law : friction_) {
     const LawInput in = input(w, law, t, x);
     const double torque = law.callback ? (*law.callback)(in, 0.0) : friction_torque(law.kind, law.p, in, region_at(w, law, in));
     // What a bristle stores is not lost: 1/2 stiffness z^2.
-    const double stored = law.state < 0 ? 0.0 : law.p[1] * in.z * internal_rate(law.kind, law.p, in);
+    const double stored = bristle_spring(law.kind, law.p).stiffness * in.z * internal_rate(law.kind, law.p, in);
     law_power[law.index] = torque * in.u - stored;
   }
   for (const Law& law : link_) {
-    if (law.kind != LawKind::end_stop) continue;
+    if (has(law.kind, conservative)) continue;
     const LawInput in = input(w, law, t, x);
-    law_power[law.index] = -link_torque(law.kind, law.p, in, w.region[law.region]) * in.u;
+    law_power[law.index] = -link_torque(law.kind, law.p, in, region_at(w, law, in)) * in.u;
   }
   for (std::size_t c = 0; c < dry_.size(); ++c) {
     const double u = contact_speed(dry_[c], x);
@@ -65,21 +63,9 @@ double Plant::stored_energy(Workspace& w, const double* x) const {
   transmission(w, 0.0, x);
   double sum = 0.0;
   for (const int j : elastic_) sum += 0.5 * K_[j] * w.deflection[j] * w.deflection[j];
-  for (const Law& law : spring_) {
-    const double d = w.deflection[law.joint];
-    if (law.kind == LawKind::hardening_spring) sum += 0.25 * law.p[0] * d * d * d * d;
-    if (law.kind == LawKind::spring_hysteresis) sum += 0.5 * law.p[0] * z(x)[law.state] * z(x)[law.state];
-  }
-  for (const Law& law : friction_) {
-    if (law.kind == LawKind::presliding_friction) sum += 0.5 * law.p[1] * z(x)[law.state] * z(x)[law.state];
-  }
-  for (const Law& law : link_) {
-    const double q_ = input(w, law, 0.0, x).x;
-    if (law.kind == LawKind::parallel_spring) sum += 0.5 * law.p[0] * (q_ - law.p[1]) * (q_ - law.p[1]);
-    if (law.kind == LawKind::position_torque) {
-      sum += law.p[0] * std::sin(q_) - law.p[1] * std::cos(q_) +
-             0.5 * (law.p[2] * std::sin(2.0 * q_) - law.p[3] * std::cos(2.0 * q_));
-    }
+  for (const Law& law : spring_) sum += spring_energy(law.kind, law.p, spring_input(w, law, 0.0, x));
+  for (const auto* laws : {&friction_, &link_}) {
+    for (const Law& law : *laws) sum += spring_energy(law.kind, law.p, input(w, law, 0.0, x));
   }
   return sum;
 }

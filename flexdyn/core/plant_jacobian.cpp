@@ -3,16 +3,13 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Core>
 
+#include "matrices.hpp"
 #include "plant.hpp"
 
 namespace flexdyn {
 
 namespace {
-
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Eigen::Map;
 
 // Central differences of smooth scalar laws: the error is of the order 1e-10 relative.
 constexpr double difference = 6e-6;
@@ -136,11 +133,12 @@ void Plant::jacobian(Workspace& w, double t, const double* x, const double* tau,
 void Plant::couple(const Workspace& w, double t, const double* x, double* right, double* J) const {
   const int half = n_ + elastic(), size = state_size();
   for (const Law& law : friction_) {
-    if (law.kind != LawKind::joint_coupling) continue;
+    if (law.other < 0) continue;
     const int slot = rotor_slot_[law.joint], other = rotor_slot_[law.other];
     double* row = slot < 0 ? right + static_cast<std::ptrdiff_t>(law.joint) * size
                            : J + static_cast<std::ptrdiff_t>(half + n_ + slot) * size;
-    row[other < 0 ? half + law.other : half + n_ + other] -= law.p[0] / (slot < 0 ? 1.0 : J_[law.joint]);
+    const double slope = coupling_slope(law.kind, law.p);
+    row[other < 0 ? half + law.other : half + n_ + other] -= slope / (slot < 0 ? 1.0 : J_[law.joint]);
   }
   couple_dry(w, t, x, right, J);
   if (!spans_) return;
@@ -158,9 +156,10 @@ void Plant::couple(const Workspace& w, double t, const double* x, double* right,
 // Moving all joints at once let couplings see the other joint move too: take that out of the joint's own slopes.
 void Plant::uncouple(LocalSlopes& slopes) const {
   for (const Law& law : friction_) {
-    if (law.kind != LawKind::joint_coupling) continue;
+    if (law.other < 0) continue;
     const int rate = rotor_slot_[law.other] < 0 ? 2 : 3;  // the other's rotor moved with v, or with omega
-    (rotor_slot_[law.joint] < 0 ? slopes.link_by : slopes.rotor_by)[rate][law.joint] += law.p[0];
+    (rotor_slot_[law.joint] < 0 ? slopes.link_by : slopes.rotor_by)[rate][law.joint] +=
+        coupling_slope(law.kind, law.p);
   }
 }
 
@@ -215,7 +214,7 @@ void Plant::acceleration_slopes(const Workspace& w, const double* M_all, const d
     if (!w.located || !w.held[j]) free.push_back(j);
   }
   const int count = static_cast<int>(free.size());
-  Eigen::MatrixXd small(count, count), rows(count, size);
+  MatrixXd small(count, count), rows(count, size);
   for (int i = 0; i < count; ++i) {
     rows.row(i) = right.row(free[i]);
     for (int k = 0; k < count; ++k) small(i, k) = M(free[i], free[k]);

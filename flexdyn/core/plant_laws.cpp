@@ -24,6 +24,12 @@ LawInput Plant::input(const Workspace& w, const Law& law, double t, const double
   return in;
 }
 
+LawInput Plant::spring_input(const Workspace& w, const Law& law, double t, const double* x) const {
+  LawInput in{t, w.deflection[law.joint], w.deflection_rate[law.joint]};
+  if (law.state >= 0) in.z = z(x)[law.state];
+  return in;
+}
+
 void Plant::evaluate_laws(Workspace& w, double t, const double* x, const double* tau) const {
   rotor(x, w.theta.data(), w.omega.data());
   transmission(w, t, x);
@@ -47,25 +53,22 @@ void Plant::transmission(Workspace& w, double t, const double* x) const {
   }
   for (const Law& law : deflection_) {
     const int j = law.joint;
-    if (law.kind == LawKind::kinematic_error) {
-      const double slope = deflection_slope(law.kind, law.p, w.theta[j]);
-      w.deflection[j] = deflection_after(law.kind, law.p, w.deflection[j], w.theta[j], 0);
-      w.deflection_rate[j] += slope * w.omega[j];
-      w.rotor_gain[j] += slope;
-      continue;
+    int region = 0;
+    if (law.region >= 0) {
+      w.switch_input[law.region] = w.deflection[j];
+      if (!w.located) w.region[law.region] = current_region(w, law.region, t, x);
+      region = w.region[law.region];
     }
-    w.switch_input[law.region] = w.deflection[j];
-    if (!w.located) w.region[law.region] = current_region(w, law.region, t, x);
-    const int side = w.region[law.region];
-    w.deflection[j] = deflection_after(law.kind, law.p, w.deflection[j], w.theta[j], side);
-    if (side == 0) w.deflection_rate[j] = 0.0;
+    const double slope = deflection_slope(law.kind, law.p, w.theta[j]);
+    w.deflection[j] = deflection_after(law.kind, law.p, w.deflection[j], w.theta[j], region);
+    w.deflection_rate[j] = passes_deflection(law.kind, region) ? w.deflection_rate[j] + slope * w.omega[j] : 0.0;
+    w.rotor_gain[j] += slope;
   }
   for (const int j : elastic_) w.spring[j] = K_[j] * w.deflection[j];
   for (const Law& law : spring_) {
     const int j = law.joint;
     if (law.state >= 0 && w.without_internal) continue;
-    LawInput in{t, w.deflection[j], w.deflection_rate[j]};
-    if (law.state >= 0) in.z = z(x)[law.state];
+    const LawInput in = spring_input(w, law, t, x);
     w.spring[j] += law.callback ? (*law.callback)(in, 0.0) : spring_torque(law.kind, law.p, in);
   }
   for (const int j : elastic_) {
@@ -163,7 +166,7 @@ int Plant::follow(Workspace& w, const Law& law, const LawInput& in) const {
 
 bool Plant::at_zero_corner(const Workspace& w, int which, double t, const double* x) const {
   const Law& law = switches_[which];
-  if (corner_of(law.kind) != Corner::at_zero) return false;
+  if (!has(law.kind, corner_at_zero)) return false;
   const double rounding = corner_rounding(law, x);
   return std::abs(region_margin(w, which, t, x) - rounding) <= rounding;
 }
@@ -195,7 +198,7 @@ double Plant::region_margin(const Workspace& w, int which, double t, const doubl
 
 bool Plant::in_gap(const Workspace& w, int joint) const {
   return std::any_of(deflection_.begin(), deflection_.end(), [&](const Law& law) {
-    return law.kind == LawKind::backlash && law.joint == joint && w.region[law.region] == 0;
+    return law.joint == joint && law.region >= 0 && !passes_deflection(law.kind, w.region[law.region]);
   });
 }
 
@@ -209,10 +212,7 @@ void Plant::internal_rates(const Workspace& w, double t, const double* x, double
     if (law.state >= 0) rate[law.state] = internal_rate(law.kind, law.p, input(w, law, t, x));
   }
   for (const Law& law : spring_) {
-    if (law.state < 0) continue;
-    LawInput in{t, w.deflection[law.joint], w.deflection_rate[law.joint]};
-    in.z = z(x)[law.state];
-    rate[law.state] = internal_rate(law.kind, law.p, in);
+    if (law.state >= 0) rate[law.state] = internal_rate(law.kind, law.p, spring_input(w, law, t, x));
   }
 }
 

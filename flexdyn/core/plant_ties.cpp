@@ -1,30 +1,22 @@
 // Couplings of motors by dry friction, and windings: what their laws add to the plant.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/LU>
 
+#include "matrices.hpp"
 #include "plant.hpp"
 
 namespace flexdyn {
 
-namespace {
-
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Eigen::Map;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
-}  // namespace
-
 // Couplings of one pair of motors at one ratio add up.
 void Plant::sort_in_coupling(const Law& law) {
   couplings_ = true;
+  const double ratio = coupling_ratio(law.p);
   auto contact = std::find_if(dry_.begin(), dry_.end(), [&](const DryContact& c) {
-    return c.joint == law.joint && c.other == law.other && c.ratio == law.p[1];
+    return c.joint == law.joint && c.other == law.other && c.ratio == ratio;
   });
-  if (contact == dry_.end()) contact = dry_.insert(contact, {law.joint, Side::motor, {}, law.other, law.p[1]});
+  if (contact == dry_.end()) contact = dry_.insert(contact, {law.joint, Side::motor, {}, law.other, ratio});
   contact->laws.push_back(law);
 }
 
@@ -150,14 +142,15 @@ void Plant::limit_currents(double* x) const {
   if (!windings_) return;
   double* state = x + 2 * velocities();
   for (const Law& law : actuator_) {
-    if (law.state >= 0) state[law.state] = std::clamp(state[law.state], -law.p[2], law.p[2]);
+    const double limit = winding_limit(law.p);
+    if (law.state >= 0) state[law.state] = std::clamp(state[law.state], -limit, limit);
   }
 }
 
 double Plant::magnetic_energy(const double* x) const {
   double sum = 0.0;
-  for (const Law& law : actuator_) {  // 1/2 L i^2 of the torque k i, with L/k^2 = (L/R)/(k^2/R)
-    if (law.state >= 0) sum += 0.5 * law.p[3] / law.p[1] * z(x)[law.state] * z(x)[law.state];
+  for (const Law& law : actuator_) {
+    if (law.state >= 0) sum += 0.5 * winding_inductance(law.p) * z(x)[law.state] * z(x)[law.state];
   }
   return sum;
 }

@@ -4,19 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/LU>
 
+#include "matrices.hpp"
 #include "steppers.hpp"
 
 namespace flexdyn {
 
 namespace {
-
-using Eigen::Map;
-using Eigen::VectorXd;
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr int stages = 6;
 constexpr double gamma_ = 0.25;
@@ -131,7 +127,7 @@ class Rosenbrock : public Stepper {
   double try_step(double h, double end) {
     const auto size = static_cast<Eigen::Index>(x_.size());
     const Map<const VectorXd> x(x_.data(), size);
-    Eigen::MatrixXd system = -J_;
+    MatrixXd system = -J_;
     system.diagonal().array() += 1.0 / (h * gamma_);
     factor_.compute(system);
     for (int s = 0; s < stages; ++s) {
@@ -181,7 +177,7 @@ class Rosenbrock : public Stepper {
   double h_ = 0.0, h_last_ = 0.0, t_before_ = 0.0;
   bool fresh_ = true;
   RowMatrix J_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+  Eigen::PartialPivLU<MatrixXd> factor_;
   std::array<VectorXd, stages> u_;
   VectorXd f0_, ft_, value_, stage_, next_, bend_, twist_;
   std::vector<double> before_;

@@ -1,5 +1,4 @@
 // The classical fourth-order method at a fixed step.
-#include <cmath>
 
 #include "steppers.hpp"
 

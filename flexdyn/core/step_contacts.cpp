@@ -1,15 +1,11 @@
 #include "step_contacts.hpp"
 
-#include <algorithm>
-
 #include <Eigen/LU>
 
 #include "complementarity.hpp"
+#include "matrices.hpp"
 
 namespace flexdyn {
-
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 namespace {
 
@@ -59,7 +55,7 @@ VectorXd StepContacts::boxed_solve(const MatrixXd& A, const VectorXd& b) {
       plant_, every_, motion_, [&] { solve(A, b); },
       [&](std::size_t c) { return plant_.contact_speed(contacts[c], state_.data()); }, breaks_away,
       [&](std::size_t c) { motion_[c] = motion_[c] == stuck ? breaks_away(c) : stuck; });
-  return Eigen::Map<const VectorXd>(state_.data() + N_, N_);
+  return Map<const VectorXd>(state_.data() + N_, N_);
 }
 
 // Velocities, and the load of each stuck contact, where every contact goes on as it is taken to.
@@ -89,7 +85,7 @@ void StepContacts::solve(const MatrixXd& A, const VectorXd& b) {
 // No motors are coupled by dry friction: a contact holds one velocity.
 void StepContacts::solve_apart(const MatrixXd& A, const VectorXd& rest, const std::vector<char>& held) {
   const auto& contacts = plant_.contacts();
-  Eigen::Map<VectorXd> w(state_.data() + N_, N_);
+  Map<VectorXd> w(state_.data() + N_, N_);
   std::vector<int> free;
   for (int i = 0; i < N_; ++i) {
     if (!held[i]) free.push_back(i);
@@ -109,7 +105,7 @@ void StepContacts::solve_apart(const MatrixXd& A, const VectorXd& rest, const st
 void StepContacts::solve_tied(const MatrixXd& A, const VectorXd& rest, const std::vector<char>& held,
                               const std::vector<Tie>& ties) {
   const auto& contacts = plant_.contacts();
-  Eigen::Map<VectorXd> w(state_.data() + N_, N_);
+  Map<VectorXd> w(state_.data() + N_, N_);
   const MatrixXd T = free_moves(held, ties);
   w.setZero();
   if (T.cols() > 0) w = T * MatrixXd(T.transpose() * A * T).partialPivLu().solve(VectorXd(T.transpose() * rest));

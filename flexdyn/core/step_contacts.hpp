@@ -5,8 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include <Eigen/Core>
-
+#include "matrices.hpp"
 #include "plant.hpp"
 #include "ties.hpp"
 
@@ -23,12 +22,12 @@ class StepContacts {
   // Impulse that every contact can hold over a step of length h: for sliding on, and for turning round from rest.
   void levels(Plant::Workspace& work, double t, const std::vector<double>& state, double h);
   // Velocities w (N) with A w + lambda = b, each impulse lambda in its contact's box.
-  Eigen::VectorXd boxed_solve(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+  VectorXd boxed_solve(const MatrixXd& A, const VectorXd& b);
 
  private:
-  void solve(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
-  void solve_apart(const Eigen::MatrixXd& A, const Eigen::VectorXd& rest, const std::vector<char>& held);
-  void solve_tied(const Eigen::MatrixXd& A, const Eigen::VectorXd& rest, const std::vector<char>& held,
+  void solve(const MatrixXd& A, const VectorXd& b);
+  void solve_apart(const MatrixXd& A, const VectorXd& rest, const std::vector<char>& held);
+  void solve_tied(const MatrixXd& A, const VectorXd& rest, const std::vector<char>& held,
                   const std::vector<Tie>& ties);
   int place(const DryContact& contact) const { return static_cast<int>(plant_.velocity_index(contact)) - N_; }
   int other_place(const DryContact& contact) const { return static_cast<int>(plant_.other_index(contact)) - N_; }

@@ -9,7 +9,7 @@ namespace flexdyn {
 
 double fastest_rate(const Plant& plant, Plant::Workspace& work, double t, const double* x, const double* tau) {
   const int size = plant.state_size();
-  Eigen::MatrixXd J(size, size);  // its transpose has the same eigenvalues
+  MatrixXd J(size, size);  // its transpose has the same eigenvalues
   work.located = false;
   work.smoothing = std::numeric_limits<double>::infinity();  // so wide that dry friction has no slope
   plant.jacobian(work, t, x, tau, nullptr, J.data());

@@ -1,8 +1,6 @@
 // How fast the fastest motion at a point is, and when a run should no longer follow it step by step.
 #pragma once
 
-#include <vector>
-
 #include "plant.hpp"
 
 namespace flexdyn {

@@ -4,7 +4,7 @@
 
 namespace flexdyn {
 
-Eigen::MatrixXd free_moves(const std::vector<char>& held, const std::vector<Tie>& ties) {
+MatrixXd free_moves(const std::vector<char>& held, const std::vector<Tie>& ties) {
   const auto size = static_cast<Eigen::Index>(held.size());
   std::vector<char> still = held, led(held.size(), 0);
   for (const Tie& tie : ties) {
@@ -16,7 +16,7 @@ Eigen::MatrixXd free_moves(const std::vector<char>& held, const std::vector<Tie>
   for (std::size_t i = 0; i < held.size(); ++i) {
     if (!still[i] && !led[i]) column[i] = count++;
   }
-  Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(size, count);
+  MatrixXd moves = MatrixXd::Zero(size, count);
   for (Eigen::Index i = 0; i < size; ++i) {
     if (column[i] >= 0) moves(i, column[i]) = 1.0;
   }

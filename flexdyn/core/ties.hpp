@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <Eigen/Core>
+#include "matrices.hpp"
 
 namespace flexdyn {
 
@@ -21,7 +21,7 @@ struct Box {
 };
 
 // The moves (N, free) that held velocities and ties leave, w = T y. No velocity is in two ties.
-Eigen::MatrixXd free_moves(const std::vector<char>& held, const std::vector<Tie>& ties);
+MatrixXd free_moves(const std::vector<char>& held, const std::vector<Tie>& ties);
 
 // Friction of a tie out of what holds both velocities in all, of which it takes its share away. Where both are held by
 // contacts of their own as well, the share is free within the three boxes: the middle of what all of them allow.

@@ -6,25 +6,25 @@
 
 #include <Eigen/Cholesky>
 
+#include "matrices.hpp"
 #include "step_contacts.hpp"
 
 namespace flexdyn {
 
 namespace {
 
-using Eigen::Map;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-// An internal state z' = u - kappa |u| z over a step at constant u: exact, however stiff the bristle is.
+// An internal state z' = u - decay |u| z over a step at constant u: exact, however stiff the bristle is.
 struct Bristle {
-  double z_end, slope;  // z at the step's end and its derivative by u
+  double z_end, torque, slope;  // z at the step's end, the torque there and its derivative by u
 };
 
-Bristle bristle(double kappa, double z, double u, double h) {
-  const double sign = u < 0.0 ? -1.0 : 1.0, decay = std::exp(-kappa * std::abs(u) * h);
-  return {decay * z + (1.0 - decay) * sign / kappa, h * decay * (1.0 - kappa * sign * z)};
+Bristle bristle(const Law& law, double z, double u, double h) {
+  const BristleSpring spring = bristle_spring(law.kind, law.p);
+  const double sign = u < 0.0 ? -1.0 : 1.0, kept = std::exp(-spring.decay * std::abs(u) * h);
+  const double z_end = kept * z + (1.0 - kept) * sign / spring.decay;
+  const double z_slope = h * kept * (1.0 - spring.decay * sign * z);
+  return {z_end, spring.stiffness * z_end + spring.damping * (z_end - z) / h,
+          (spring.stiffness + spring.damping / h) * z_slope};
 }
 
 class TimeStepping : public Stepper {
@@ -162,23 +162,20 @@ class TimeStepping : public Stepper {
       if (law.state < 0) continue;
       const int slot = plant_.rotor_slot(law.joint);
       const int at = law.side == Side::link || slot < 0 ? law.joint : n_ + slot;
-      const Bristle end = bristle(law.p[1] / law.p[0], z[law.state], w[at], h_);
-      const double torque = law.p[1] * end.z_end + law.p[2] * (end.z_end - z[law.state]) / h_;
-      const double slope = (law.p[1] + law.p[2] / h_) * end.slope;
-      visit(law, at, -1, torque, slope, end.z_end);
+      visit(law, at, -1, bristle(law, z[law.state], w[at], h_));
     }
     for (const Law& law : plant_.springs()) {
       if (law.state < 0) continue;
       const int r = n_ + plant_.rotor_slot(law.joint);
       const double gain = work_.rotor_gain[law.joint];
       const double rate = plant_.in_gap(work_, law.joint) ? 0.0 : gain * w[r] - w[law.joint];
-      const Bristle end = bristle(1.0 / law.p[1], z[law.state], rate, h_);
-      visit(law, law.joint, r, law.p[0] * end.z_end, law.p[0] * end.slope, end.z_end);
+      visit(law, law.joint, r, bristle(law, z[law.state], rate, h_));
     }
   }
 
   void add_bristles(const VectorXd& w, MatrixXd& A, VectorXd& b) const {
-    visit_bristles(w, [&](const Law& law, int at, int rotor, double torque, double slope, double) {
+    visit_bristles(w, [&](const Law& law, int at, int rotor, const Bristle& end) {
+      const auto [z_end, torque, slope] = end;
       if (rotor < 0) {
         A(at, at) += h_ * slope;
         b[at] -= h_ * (torque - slope * w[at]);
@@ -208,11 +205,12 @@ class TimeStepping : public Stepper {
       LawInput in;
       in.u = w[slot < 0 ? law.joint : n_ + slot];
       in.z = x_[at];
-      after_[at] = region != 0 ? region * law.p[2] : winding_end(law.p, in, work_.winding_input[law.state], h_);
+      after_[at] = region != 0 ? region * winding_limit(law.p)
+                               : winding_end(law.p, in, work_.winding_input[law.state], h_);
     }
     if (!bristles_) return;
-    visit_bristles(w, [&](const Law& law, int, int, double, double, double z_end) {
-      after_[2 * static_cast<std::size_t>(N_) + law.state] = z_end;
+    visit_bristles(w, [&](const Law& law, int, int, const Bristle& end) {
+      after_[2 * static_cast<std::size_t>(N_) + law.state] = end.z_end;
     });
   }
 

@@ -26,7 +26,7 @@ from flexdyn.effects.joint_effect import JointEffect
 from flexdyn.effects.link import EndStop, InertiaEffect, ParallelSpring, Payload, PositionTorque
 from flexdyn.effects.memory import MemoryEffect
 from flexdyn.effects.model_error import ParameterError
-from flexdyn.effects.parameters import parameter, unit_for
+from flexdyn.effects.parameters import parameter
 from flexdyn.effects.sensor import (
     ChannelLag,
     EncoderEccentricity,
@@ -43,6 +43,7 @@ from flexdyn.effects.transmission import (
     SpringHysteresis,
     TransmissionDamping,
 )
+from flexdyn.records.units import unit_for
 
 __all__ = [
     "AsymmetricFriction",

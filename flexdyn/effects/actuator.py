@@ -65,7 +65,7 @@ class TorqueRipple(WaveEffect, ActuatorEffect):
     Args:
         joint: its name.
         amplitude: [N m].
-        harmonic: cycles per reflected turn; once per motor turn is the gear ratio [1].
+        harmonic: cycles per reflected turn; once per motor turn is the gear ratio [1], of a prismatic joint [rad/m].
         phase: [rad].
     """
 

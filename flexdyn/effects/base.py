@@ -56,7 +56,7 @@ class Effect(Traits):
         order: place among the effects on the motor's torque, or on the deflection; the least acts first, users' own
             last.
 
-    A built-in law has stage, `takes_load` and `has_state` from the core's table.
+    A built-in law has stage, `takes_load`, `has_state` and `conservative` from the core's table.
 
     A diagnosis proposes every class that names `linear`, `linear_bounds` or `axes`.
 
@@ -134,6 +134,7 @@ class Effect(Traits):
         row = None if cls.torque is not Effect.torque else LAWS.get(cls.__dict__.get("name", ""))
         if row is not None:
             cls.stage, cls.takes_load, cls.has_state = row.stage, row.of_load, row.has_state
+            cls.conservative = row.conservative
         if abstract:
             return
         known = _registry.get(cls.name)
@@ -158,6 +159,12 @@ class Effect(Traits):
     def declared(cls, name: str) -> Mapping[str, Any]:
         """What a parameter declares, see `parameter`."""
         return next(field.metadata for field in cls.parameters() if field.name == name)
+
+    @classmethod
+    def units(cls, *, prismatic: bool) -> dict[str, str]:
+        """The units of its parameters on a prismatic or a revolute joint."""
+        key = "prismatic_unit" if prismatic else "unit"
+        return {field.name: field.metadata[key] for field in cls.parameters()}
 
     @classmethod
     def summary(cls) -> str:

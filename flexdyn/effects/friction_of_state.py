@@ -27,7 +27,7 @@ class PositionDependentFriction(WaveEffect, JointEffect):
         joint: its name.
         side: ``link`` or ``motor``.
         amplitude: mean level, and amplitude of its variation [N m].
-        harmonic: cycles per reflected turn; once per motor turn is the gear ratio [1].
+        harmonic: cycles per reflected turn; once per motor turn is the gear ratio [1], of a prismatic joint [rad/m].
         phase: [rad].
     """
 

@@ -74,7 +74,6 @@ class ParallelSpring(LinkEffect):
         rest: position at which its torque is zero [rad].
     """
 
-    conservative = True
     law = "-stiffness*(q - rest)"
     shown = {"stiffness": 20.0, "rest": 0.3}
 
@@ -105,7 +104,6 @@ class PositionTorque(LinkEffect):
         sin_2: [N m].
     """
 
-    conservative = True
     law = "-(cos_1*cos(q) + sin_1*sin(q) + cos_2*cos(2*q) + sin_2*sin(2*q))"
     shown = {"cos_1": 1.0, "sin_1": 0.0, "cos_2": 0.0, "sin_2": 0.3}
 

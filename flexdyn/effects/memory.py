@@ -23,7 +23,6 @@ class MemoryEffect(JointEffect, abstract=True):
     """
 
     no_torque = "it depends on the path: use along(x)"
-    has_state = True
 
     @property
     def reach(self) -> float:

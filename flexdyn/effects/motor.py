@@ -82,7 +82,6 @@ class MotorWinding(DCMotorLaw, abstract=True):
 
     name = "dc_winding"
     law = "time_constant*tau_applied' = gain*tau - back_emf*omega - tau_applied, abs(tau_applied) <= limit"
-    has_state = True
 
     back_emf: float = parameter("N m s/rad", lower=0.0, strict=True)
     time_constant: float = parameter("s", lower=0.0, strict=True)

@@ -10,6 +10,7 @@ import numpy as np
 
 from flexdyn.checks import as_number
 from flexdyn.errors import InputError
+from flexdyn.records.units import unit_for
 
 USUAL_SIZES = {"N m": 1.0, "N m s/rad": 0.5, "N m/rad": 100.0, "rad": 0.01, "rad/s": 0.5, "s": 0.01}
 """Unit -> a typical value in it, with which the documentation shows an effect."""
@@ -24,6 +25,7 @@ def parameter(
     chosen: bool = False,
     by_factor: bool = False,
     around: bool = False,
+    prismatic_unit: str | None = None,
     step: float | None = None,
     step_at_zero: float = 1e-4,
     default: Any = dataclasses.MISSING,
@@ -31,7 +33,7 @@ def parameter(
     """A parameter of an effect.
 
     Args:
-        unit: for a revolute joint; for a prismatic one N m becomes N and rad becomes m.
+        unit: for a revolute joint; for a prismatic one N m becomes N and rad becomes m, except in a phase (`around`).
         lower: lower bound.
         strict: whether the value must be above `lower`, not equal to it.
         infinite: whether the value may be infinite; a neutral value always may.
@@ -39,6 +41,7 @@ def parameter(
         by_factor: whether a fit changes it by a limited factor in each step, because the law is another one at 0; of a
             `strict` parameter it always does.
         around: whether it is an angle in a cycle, so that a diagnosis tries values all around.
+        prismatic_unit: for a prismatic joint, where it is another one than `unit` says.
         step: change at which a diagnosis computes its slope, in `unit`; None: a hundredth of its value.
         step_at_zero: likewise where its value is 0, unless `step` is given.
         default: value if none is given; without a default a value is required.
@@ -55,6 +58,7 @@ def parameter(
     metadata = {"unit": unit, "lower": lower, "strict": strict, "infinite": infinite}
     metadata |= {"chosen": chosen, "by_factor": by_factor or strict, "around": around}
     metadata |= {"step": step, "step_at_zero": step_at_zero}
+    metadata["prismatic_unit"] = prismatic_unit or (unit if around else unit_for(unit, prismatic=True))
     return dataclasses.field(default=default, metadata=metadata)
 
 
@@ -86,13 +90,3 @@ def checked_number(effect: str, field: dataclasses.Field[Any], value: Any, neutr
         bound = f"above {lower:g}" if strict else f"at least {lower:g}"
         raise InputError(f"it must be {bound} [{unit}]", key=place, value=number)
     return number
-
-
-def unit_for(unit: str, *, prismatic: bool) -> str:
-    """The unit of a parameter on this kind of joint: for a prismatic joint N m becomes N, and rad becomes m.
-
-    Example:
-        >>> fd.effects.unit_for("N m s/rad", prismatic=True)
-        'N s/m'
-    """
-    return unit.replace("N m", "N").replace("rad", "m") if prismatic else unit

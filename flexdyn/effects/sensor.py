@@ -13,7 +13,7 @@ from flexdyn.arrays import Array
 from flexdyn.effects.base import Effect, Side, Stage
 from flexdyn.effects.extent import DELAYS, MotionExtent
 from flexdyn.effects.parameters import parameter
-from flexdyn.effects.waves import WaveEffect
+from flexdyn.effects.waves import WAVE_NUMBER, WaveEffect
 from flexdyn.errors import InputError
 from flexdyn.records.units import HELD
 
@@ -124,7 +124,7 @@ class EncoderEccentricity(WaveEffect, SensorEffect):
     Args:
         channel: ``q.<joint>`` or ``theta.<joint>``.
         amplitude: [rad].
-        harmonic: cycles per reflected turn [1].
+        harmonic: cycles per reflected turn [1], of a prismatic joint [rad/m].
         phase: [rad].
     """
 
@@ -134,7 +134,7 @@ class EncoderEccentricity(WaveEffect, SensorEffect):
     natural_size = 0.01
     signals = POSITIONS
 
-    harmonic: float = parameter("1", default=1.0, chosen=True)
+    harmonic: float = parameter("1", prismatic_unit=WAVE_NUMBER, default=1.0, chosen=True)
 
     @classmethod
     def tried(cls, extent: MotionExtent) -> Iterable[Sequence[float]]:

@@ -88,7 +88,6 @@ class HardeningSpring(TransmissionEffect):
     """
 
     bends_spring = True
-    conservative = True
     law = "cubic*delta^3"
     shown = {"cubic": 2.0e8}
     linear = ("cubic",)
@@ -205,7 +204,7 @@ class KinematicError(WaveEffect, DeflectionEffect):
     Args:
         joint: its name; it must be elastic.
         amplitude: at the link [rad].
-        harmonic: cycles per reflected turn; once per motor turn is the gear ratio [1].
+        harmonic: cycles per reflected turn; once per motor turn is the gear ratio [1], of a prismatic joint [rad/m].
         phase: [rad].
     """
 

@@ -14,9 +14,15 @@ from flexdyn.effects.parameters import parameter
 POSITION_STEP = 1e-6
 """Amplitude of a wave in a position at which a diagnosis computes what it does [rad or m]."""
 
+WAVE_NUMBER = "rad/m"
+"""Unit of a harmonic on a prismatic joint: that of its gear ratio, which is one cycle per turn of the motor."""
+
 
 class WaveEffect(Effect, abstract=True):
-    """``amplitude sin(harmonic position + phase)``, linear in its sine and cosine parts where the harmonic is given."""
+    """``amplitude sin(harmonic position + phase)``, linear in its sine and cosine parts where the harmonic is given.
+
+    The position of a prismatic joint is in m, so that its harmonic is the number of cycles in 2 pi m.
+    """
 
     neutral = {"amplitude": 0.0}
     cycles = "harmonic"
@@ -25,7 +31,7 @@ class WaveEffect(Effect, abstract=True):
     small_size: ClassVar[float] = POSITION_STEP
 
     amplitude: float = parameter("rad")
-    harmonic: float = parameter("1", chosen=True)
+    harmonic: float = parameter("1", prismatic_unit=WAVE_NUMBER, chosen=True)
     phase: float = parameter("rad", around=True, step=0.01)
 
     def in_usual_range(self) -> Self:

@@ -45,7 +45,7 @@ class DCMotor:
 
     def __post_init__(self) -> None:
         """Check every number."""
-        for name in MOTOR_NUMBERS:
+        for name in MOTOR_UNITS:
             value = getattr(self, name)
             if name == "inductance":
                 checked = number(name, value, "it must be finite and at least 0", least=0.0)
@@ -64,7 +64,8 @@ class DCMotor:
         return {key: value for key, value in written.items() if key != "inductance" or value > 0.0}
 
 
-MOTOR_NUMBERS = tuple(field.name for field in dataclasses.fields(DCMotor))
+MOTOR_UNITS = {"torque_constant": "N m/A", "resistance": "ohm", "supply": "V", "current_limit": "A", "inductance": "H"}
+"""Units of a DC motor's numbers."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

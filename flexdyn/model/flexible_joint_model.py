@@ -16,8 +16,9 @@ from flexdyn.effects.motor import MotorLaw
 from flexdyn.errors import InputError, visible
 from flexdyn.io.locked import lock, plain
 from flexdyn.io.notebook import Public
+from flexdyn.model.actuator import MOTOR_UNITS
 from flexdyn.model.given_number import GivenNumber, link_inertias, links_entry, refusal, robot_with_links, unknown_links
-from flexdyn.model.joint import Joint, resolve_joints
+from flexdyn.model.joint import JOINT_UNITS, Joint, resolve_joints
 from flexdyn.model.resolved_parameters import elasticities, folded, units_of
 from flexdyn.model.setting_checks import (
     command_checked,
@@ -39,14 +40,6 @@ from flexdyn.model.urdf_dynamics import urdf_effects
 from flexdyn.robot import Robot
 
 EARTH = (0.0, 0.0, -9.81)
-UNITS = {
-    "rotor_inertia": ("kg m^2 on the motor side", "kg m^2 on the motor side"),
-    "stiffness": ("N m/rad", "N/m"),
-    "damping": ("N m s/rad", "N s/m"),
-    "torque_constant": ("N m/A", "N m/A"),
-    "resistance": ("ohm", "ohm"),
-}
-"""Of a joint's numbers that may be unknown, where it turns and where it slides."""
 
 
 class FlexibleJointModel(Public):
@@ -253,15 +246,16 @@ class FlexibleJointModel(Public):
             slides = self.robot.angle_unit(name) == "m"
             for number in ("rotor_inertia", *(["stiffness", "damping"] if self.elastic[self.index(name)] else [])):
                 if joint.given(number).is_unknown:
-                    raise refusal(f"joints.{name}.{number}", UNITS[number][slides])
+                    side = " on the motor side" if number == "rotor_inertia" else ""
+                    raise refusal(f"joints.{name}.{number}", JOINT_UNITS[number][slides] + side)
         for name, number in unknown_of_motors(self.tolerance, self.joints):
-            raise refusal(f"joints.{name}.actuator.dc_motor.{number}", UNITS[number][0])
+            raise refusal(f"joints.{name}.actuator.dc_motor.{number}", MOTOR_UNITS[number])
         for name in unknown_links(self.links):
             raise refusal(f"links.{name}.inertia", "kg m^2")
         for name in unknown_masses(self.tolerance, self.robot.frame_names):
             raise refusal(f"links.{name}.mass", "kg")
         for i, name in unknown_parameters(self.tolerance, self.effects):
-            units = units_of(self.robot, self.effects[i], getattr(self.effects[i], "joint", None))
+            units = units_of(self.robot, self.effects[i])
             raise refusal(f"effects[{i}].{name}", units[name])
 
     def rigid(self) -> FlexibleJointModel:

@@ -12,6 +12,14 @@ from flexdyn.errors import InputError, placed
 from flexdyn.model.actuator import Actuator
 from flexdyn.model.given_number import UNKNOWN, GivenNumber, given_number
 
+JOINT_UNITS = {
+    "gear_ratio": ("1", "rad/m"),
+    "rotor_inertia": ("kg m^2", "kg m^2"),
+    "stiffness": ("N m/rad", "N/m"),
+    "damping": ("N m s/rad", "N s/m"),
+}
+"""Units of a drive's numbers where its joint turns and where it slides."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Joint:

@@ -10,23 +10,22 @@ from typing import Any
 import numpy as np
 
 from flexdyn.checks import check_known
-from flexdyn.effects import Effect, JointEffect, ParameterError, unit_for
+from flexdyn.effects import Effect, JointEffect, ParameterError
 from flexdyn.effects.model_error import effect_place, is_number_error
 from flexdyn.errors import InputError, did_you_mean, placed
 from flexdyn.model.given_number import UNKNOWN
-from flexdyn.model.joint import Joint
+from flexdyn.model.joint import JOINT_UNITS, Joint
 from flexdyn.robot import Robot
 
-JOINT_NUMBERS = ("gear_ratio", "rotor_inertia", "stiffness", "damping")
 OF_MOTOR = ("torque_constant", "resistance")
 OF_URDF = {"urdf_damping": "damping", "urdf_friction": "friction"}
 OF_LINK = {"link_mass": "mass", "link_com": "com", "link_inertia": "inertia"}
 
 
-def units_of(robot: Robot, effect: Effect, joint: str | None) -> dict[str, str]:
+def units_of(robot: Robot, effect: Effect) -> dict[str, str]:
     """The units of an effect's parameters, which are other ones where its joint slides."""
-    slides = joint is not None and robot.angle_unit(joint) == "m"
-    return {field.name: unit_for(str(field.metadata["unit"]), prismatic=slides) for field in effect.parameters()}
+    joint = getattr(effect, "joint", None)
+    return effect.units(prismatic=joint is not None and robot.angle_unit(joint) == "m")
 
 
 def folded(
@@ -110,7 +109,7 @@ def _fold_joint(robot: Robot, numbers: dict[str, dict[str, Any]], error: Paramet
     if error.of not in numbers:
         remedy = did_you_mean(error.of, [*numbers, *robot.frame_names])
         raise InputError("no such joint, link or effect", key="of", value=error.of, remedy=remedy)
-    _check_parameter(error, [*JOINT_NUMBERS, *OF_MOTOR, *OF_URDF, *OF_LINK], "a joint")
+    _check_parameter(error, [*JOINT_UNITS, *OF_MOTOR, *OF_URDF, *OF_LINK], "a joint")
     own = numbers[error.of]
     if error.parameter in OF_MOTOR:
         if own["actuator"] is None:

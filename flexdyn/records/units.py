@@ -24,9 +24,6 @@ SIGNALS: Mapping[str, str] = {
 HELD = ("tau", "tau_applied", "voltage", "duty", "goal")
 """Signals that are held from each sample to the next (contract, section 4)."""
 
-PRISMATIC: Mapping[str, str] = {"rad": "m", "rad/s": "m/s", "N m": "N"}
-"""The unit at a prismatic joint for each unit at a revolute one."""
-
 UNITLESS = ("", "1", "-")
 """Words in files for a number without unit."""
 
@@ -51,8 +48,17 @@ def split_name(channel: str) -> tuple[str, str] | None:
 
 def signal_unit(signal: str, *, prismatic: bool) -> str:
     """SI unit of a signal at a revolute or prismatic joint."""
-    unit = SIGNALS[signal]
-    return PRISMATIC.get(unit, unit) if prismatic else unit
+    return unit_for(SIGNALS[signal], prismatic=prismatic)
+
+
+def unit_for(unit: str, *, prismatic: bool) -> str:
+    """A unit on this kind of joint: for a prismatic joint N m becomes N, and rad becomes m.
+
+    Example:
+        >>> fd.effects.unit_for("N m s/rad", prismatic=True)
+        'N s/m'
+    """
+    return unit.replace("N m", "N").replace("rad", "m") if prismatic else unit
 
 
 def is_held(channel: str) -> bool:
@@ -98,7 +104,7 @@ def check_unit(channel: str, unit: str) -> None:
         InputError: a unit such as degrees or milliseconds; without this check the numbers would be taken as SI.
     """
     known = unit_of(channel)
-    allowed = [known] + ([PRISMATIC[known]] if known in PRISMATIC else [])
+    allowed = dict.fromkeys([known, unit_for(known, prismatic=True)])
     if known and usual(unit) not in allowed:
         remedy = f"convert it to {' or '.join(allowed)}, or read it with a channel map"
         raise InputError("the unit is not SI", key=channel, value=unit, remedy=remedy, channel=channel)

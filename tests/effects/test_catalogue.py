@@ -135,15 +135,16 @@ def test_sides_parameters_and_units(name: str, sides: tuple[str, ...], units: di
 
 
 def test_the_core_has_the_laws_with_these_parameters() -> None:
-    """Every law of the core has one class, with its stage, its state and its number of parameters; not vice versa."""
+    """Every law of the core has one class, with its stage, traits and number of parameters; not vice versa."""
     table = {row.name: row for row in _core.law_table()}
     other_laws: tuple[type[Effect], ...] = (CouplingDrag, CouplingFriction, SupplyLimit, MotorTorque, MotorWinding)
     kinds = {kind.name: kind for kind in (*catalogue().values(), *other_laws)}
     assert set(table) <= set(kinds)
     for name, row in table.items():
         kind = kinds[name]
-        of_table = (row.stage, row.has_state, row.of_load, row.parameters)
-        assert (kind.stage, kind.has_state, kind.takes_load, len(kind.parameters())) == of_table, name
+        of_table = (row.stage, row.has_state, row.of_load, row.conservative, row.parameters)
+        found = (kind.stage, kind.has_state, kind.takes_load, kind.conservative, len(kind.parameters()))
+        assert found == of_table, name
     lawless = {kind.name: kind.stage for kind in catalogue().values() if kind.name not in table}
     assert lawless.pop("joint_elasticity") == "spring"
     assert set(lawless.values()) == {"inertia", "model", "sensor"}

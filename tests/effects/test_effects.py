@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import flexdyn as fd
+from flexdyn.batch.places import places
+from flexdyn.cli.info import _effect as shown_effect
+from flexdyn.diagnose.decision.suspects import numbers_of
+from flexdyn.diagnose.report.calibrated import number_as_given
 from flexdyn.effects import (
     CoulombFriction,
     JointEffect,
@@ -25,7 +30,8 @@ from flexdyn.effects import (
     parameter,
     unit_for,
 )
-from tests.arms import unlisted
+from flexdyn.model.resolved_parameters import units_of
+from tests.arms import slider, unlisted
 from tests.oracles import laws
 
 SPEED = st.floats(-50, 50)
@@ -131,6 +137,33 @@ def test_units_on_a_prismatic_joint() -> None:
         "kg",
     ]
     assert unit_for("N m", prismatic=False) == "N m"
+
+
+def test_units_of_waves_on_a_prismatic_joint(tmp_path: Path) -> None:
+    """A phase is an angle of a cycle on every joint; a harmonic is cycles in 2 pi m, in the unit of the gear ratio."""
+    wave: dict[str, Any] = {"harmonic": 3.0, "phase": 0.5}
+    effects = [
+        fd.effects.KinematicError("lift", amplitude=1e-3, **wave),
+        fd.effects.TorqueRipple("lift", amplitude=1.0, **wave),
+        fd.effects.PositionDependentFriction("lift", side="link", amplitude=1.0, **wave),
+        fd.effects.EncoderEccentricity("q.lift", amplitude=1e-3, **wave),
+    ]
+    model = fd.FlexibleJointModel(slider(tmp_path), {"lift": {"rotor_inertia": 1.0, "stiffness": 1e5}}, effects)
+    found = [units_of(model.robot, effect) for effect in effects]
+    assert [units.pop("amplitude") for units in found] == ["m", "N", "N", "m"]
+    assert found == [{"harmonic": "rad/m", "phase": "rad"}] * 4
+    assert [effect.units(prismatic=False)["harmonic"] for effect in effects] == ["1"] * 4
+    reported = numbers_of(model, effects[0], None)
+    assert {name: number.unit for name, number in reported.items()} == units_of(model.robot, effects[0])
+    numbers = {"gear_ratio": "rad/m", "rotor_inertia": "kg m^2", "stiffness": "N/m", "damping": "N s/m"}
+    assert {name: number_as_given(model, "lift", name)[1] for name in numbers} == numbers | {"damping": "1"}
+    varied = places(model, None)
+    assert {name: varied[f"joints.lift.{name}"].unit for name in numbers} == numbers
+    assert varied["effects[1].phase"].unit == "rad"
+    assert varied["effects[3].amplitude"].unit == "m"
+    shown = shown_effect(model, effects[3], "")["parameters"]
+    assert shown["amplitude"] == {"value": 1e-3, "unit": "m"}
+    assert shown["phase"] == {"value": 0.5, "unit": "rad"}
 
 
 @unlisted

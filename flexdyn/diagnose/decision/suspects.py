@@ -64,7 +64,7 @@ def numbers_of(
         effect: whose.
         std: standard deviations of those that were estimated, others were chosen; None: they are not known.
     """
-    units = units_of(model.robot, effect, getattr(effect, "joint", None))
+    units = units_of(model.robot, effect)
     spread = {name: math.nan if std is None else std.get((effect, name), 0.0) for name in units}
     return {name: Number(float(getattr(effect, name)), spread[name], unit) for name, unit in units.items()}
 

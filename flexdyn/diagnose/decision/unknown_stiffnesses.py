@@ -20,6 +20,7 @@ from flexdyn.diagnose.report.digits import value_text
 from flexdyn.diagnose.report.suspects import CONFIDENCE
 from flexdyn.effects import JointEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.joint import JOINT_UNITS
 from flexdyn.model.stated_tolerances import known_tolerances
 
 STIFFNESS_SPREAD = 100.0
@@ -60,7 +61,7 @@ def with_stiffnesses(
         first[name], told = math.inf, "only one encoder shows it."
         if name in seen:
             least = value_text(1.0 / (max(compliance, 0.0) + CONFIDENCE * spread), 0.0)
-            unit = "N/m" if model.robot.angle_unit(name) == "m" else "N m/rad"
+            unit = JOINT_UNITS["stiffness"][model.robot.angle_unit(name) == "m"]
             told = f"its encoders hardly show a deflection: it is about {least} {unit} or more."
         notes.append(
             f"The stiffness of {name} was not known, and {told} The joint is taken for rigid, and its elasticity is"

@@ -7,21 +7,15 @@ import math
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.suspects import Number
 from flexdyn.effects.model_error import effect_place
+from flexdyn.model.actuator import MOTOR_UNITS
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
+from flexdyn.model.joint import JOINT_UNITS
 from flexdyn.model.resolved_parameters import OF_MOTOR, units_of
 
 LIMIT = 3.0
 """Tolerances by which a number may move and be calibrated (contract, section 8)."""
 FACTOR = "1"
 """Unit of a number of which only the factor is known."""
-UNITS = {
-    "rotor_inertia": ("kg m^2", "kg"),
-    "stiffness": ("N m/rad", "N/m"),
-    "damping": ("N m s/rad", "N s/m"),
-    "torque_constant": ("N m/A", "N m/A"),
-    "resistance": ("ohm", "ohm"),
-}
-"""Of a joint's numbers, where it turns and where it slides."""
 
 
 def estimate(model: FlexibleJointModel, entry: Calibration) -> Number:
@@ -54,15 +48,16 @@ def _number_of(model: FlexibleJointModel, of: str, parameter: str) -> tuple[floa
     place = effect_place(of)
     if place is not None and place < len(model.effects):
         effect = model.effects[place]
-        units = units_of(model.robot, effect, getattr(effect, "joint", None))
+        units = units_of(model.robot, effect)
         if parameter in units:
             return float(getattr(effect, parameter)), units[parameter]
-    if of in model.joint_names and parameter in UNITS:
-        joint = model.joints[of]
-        holder = joint.actuator.dc_motor if parameter in OF_MOTOR and joint.actuator is not None else joint
-        return float(getattr(holder, parameter)), UNITS[parameter][model.robot.angle_unit(of) == "m"]
+    if of in model.joint_names and parameter in JOINT_UNITS:
+        value = float(getattr(model.joints[of], parameter))
+        return value, JOINT_UNITS[parameter][model.robot.angle_unit(of) == "m"]
+    if parameter in OF_MOTOR and (motor := model.joints[of].actuator) is not None:
+        return float(getattr(motor.dc_motor, parameter)), MOTOR_UNITS[parameter]
     if parameter == "link_mass":
         return model.robot.link_size(of)[0], "kg"
     if of in model.links and parameter == "link_inertia":
-        return model.links[of].value, UNITS["rotor_inertia"][0]
+        return model.links[of].value, JOINT_UNITS["rotor_inertia"][0]
     return math.nan, FACTOR

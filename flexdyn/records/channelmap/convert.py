@@ -10,7 +10,7 @@ from flexdyn.errors import InputError, did_you_mean
 from flexdyn.records.channelmap.description import Channel, ChannelMap, column_name
 from flexdyn.records.channelmap.known_units import ELECTRICAL, SI, SLIDING, UNITS, Unit, plain_unit
 from flexdyn.records.table import Table
-from flexdyn.records.units import PRISMATIC, SIGNALS, UNITLESS, signal_unit, split_name
+from flexdyn.records.units import SIGNALS, UNITLESS, signal_unit, split_name, unit_for
 
 
 @dataclass(frozen=True)
@@ -212,8 +212,7 @@ def undetermined_units(channel_map: ChannelMap, conversions: Sequence[Conversion
     units = {}
     for channel, convert in zip(channel_map.channels, conversions, strict=True):
         slides = told.get(channel.joint, (False, ""))[0] and (bool(channel.signal) or channel.side == "motor")
-        unit = SIGNALS.get(channel.signal, convert.unit)
-        unit = PRISMATIC.get(unit, unit) if slides else unit
+        unit = unit_for(SIGNALS.get(channel.signal, convert.unit), prismatic=slides)
         if unit and unit != SIGNALS.get(channel.signal):
             units[channel.name] = unit
     for name, _ in channel_map.computed:
