@@ -53,10 +53,6 @@ class Measured:
         """Joints with both encoders (n,)."""
         return np.asarray(self.has_q & self.has_theta)
 
-    def channel(self, signal: str) -> Array:
-        """One signal of all joints (samples, n)."""
-        return np.asarray(getattr(self, signal))
-
     def part(self, first: int, last: int) -> Measured:
         """Samples from `first` up to, but without, `last`; times are still those since the start of the run."""
         return dataclasses.replace(self, **{name: getattr(self, name)[first:last] for name in ("t", *SIGNALS)})

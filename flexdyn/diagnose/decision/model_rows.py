@@ -14,9 +14,9 @@ from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener, whitene
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, TOTAL
 from flexdyn.diagnose.equations.mask import sign_mask
-from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.workspace import recorded_noise
+from flexdyn.diagnose.inference.weights import quieter
 from flexdyn.errors import InputError
 from flexdyn.records.signals.decimate import CLOCK_JITTER
 
@@ -108,8 +108,7 @@ def rows_of_models(
     between, after = (given.of(each.seen()) for each in (calibrated, corrected))
     recorded = recorded_noise(data)
     mask = _mask(given, after, recorded)
-    left = torque_noise(after, after.residual, mask, recorded)
-    noise = dataclasses.replace(recorded, tau=np.maximum(np.minimum(left, recorded.tau), 1e-12))
+    noise = quieter(recorded, after, mask)
     return ModelRows((given, between, after), noise, whitener(after, noise, mask))
 
 

@@ -144,7 +144,7 @@ def moving(data: Measured) -> Flags:
     for signal, there in (("q", data.has_q), ("theta", data.has_theta)):
         sigma = encoder_noise((data,), signal)
         for j in np.flatnonzero(there):
-            x = data.channel(signal)[:, j]
+            x = getattr(data, signal)[:, j]
             moves |= maximum_filter1d(x, width) - minimum_filter1d(x, width) > REST_SIGMAS * sigma[j]
     return moves
 

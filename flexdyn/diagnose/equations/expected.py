@@ -45,7 +45,7 @@ def _less_noise(
     equations: Equations, noise: SampleNoise, data: Measured, along: SmoothedMotion, rows: Array
 ) -> Measured:
     """One recording less S A^T of its weighted rows (times, equations)."""
-    columns: dict[str, Any] = {signal: data.channel(signal).copy() for signal in SIGNALS}
+    columns: dict[str, Any] = {signal: getattr(data, signal).copy() for signal in SIGNALS}
     at = along.lost + equations.filters.instants(len(along.t))
     sensors = by_channel(equations.model.effects)
     for channel, orders in coefficients(equations, along).items():

@@ -33,10 +33,10 @@ def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect 
 
     def error(along: SmoothedMotion) -> Array:
         # The data of a motion are without the model's sensor effects: one of these is moved on the recorded channel.
-        seen, data = along.data.channel(signal)[:, j], recorded[id(along)]
+        seen, data = getattr(along.data, signal)[:, j], recorded[id(along)]
         if instead is None:
             return _true(effect, along.data, seen) - seen
-        return true_channel(has, data.channel(signal)[:, j], data) - seen
+        return true_channel(has, getattr(data, signal)[:, j], data) - seen
 
     def torques(along: SmoothedMotion) -> Torques:
         if signal == "tau":
@@ -64,7 +64,7 @@ def of_lag_shape(equations: Equations, effect: SensorEffect) -> Array:
     j = equations.true.index(effect.joint)
 
     def torques(along: SmoothedMotion) -> Torques:
-        ahead = centred(along.data.channel(effect.signal)[:, j])  # y(t + d): the data are without the model's lags
+        ahead = centred(getattr(along.data, effect.signal)[:, j])  # y(t + d): the data are without the model's lags
         return 0.5 * effect.lateness**2 * _smoothed(equations, along, ahead, 2), None, None
 
     return equations.of_terms(j, torques)
