@@ -71,10 +71,9 @@ class ModelRows:
         Of an elastic joint with both encoders it is the sum of the motor's equation and the link's: the spring's torque
         stands in both and drops out. Masked rows are left out.
         """
-        left, at = [summed(each, j) for each in self.models], self.after
+        left = [summed(each, j) for each in self.models]
         clear = self.seen[:, left[0][1]].all(axis=1)
-        recorded = [along.tau[at.filters.instants(len(along.t)), j] for along in at.motions]
-        return [off[clear] for off, _ in left], np.concatenate(recorded)[clear]
+        return [off[clear] for off, _ in left], self.after.at_rows("tau")[clear, j]
 
 
 def summed(at: Equations, j: int) -> tuple[Array, list[int]]:

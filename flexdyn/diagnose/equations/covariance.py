@@ -84,7 +84,7 @@ def whitener(equations: Equations, noise: SampleNoise, mask: Flags, extra: Array
     from scipy.linalg import cholesky_banded
 
     kernels, many = kernels_of(equations), len(equations.kinds)
-    counts = [equations.filters.count(len(along.t)) for along in equations.motions]
+    counts = equations.counts
     lags = min(len(_correlations(equations.filters, _twice(equations))["tau"]), max(counts))
     band = np.zeros((many * sum(counts), many * lags))  # (row b, d): covariance of the rows b + d and b
     parts = np.split(band, many * np.cumsum(counts)[:-1])

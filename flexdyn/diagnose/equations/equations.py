@@ -99,6 +99,19 @@ class Equations(EquationLayout):
         left = self._rows(self._left)
         return left if self.error is None else left - self.error
 
+    @lazy
+    def counts(self) -> tuple[int, ...]:
+        """Rows of an equation in each recording."""
+        return tuple(self.filters.count(len(along.t)) for along in self.motions)
+
+    def by_recording(self, table: Array) -> list[Array]:
+        """Rows of an equation (rows of an equation, ...), recording by recording."""
+        return np.split(table, np.cumsum(self.counts)[:-1])
+
+    def at_rows(self, signal: str) -> Array:
+        """A signal of the motions at the rows of an equation: ``t`` (rows of an equation,), ``q`` (..., n)."""
+        return np.concatenate([getattr(each, signal)[self.filters.instants(len(each.t))] for each in self.motions])
+
     def of(self, model: FlexibleJointModel) -> Equations:
         """The same data with another model; the last ones are kept."""
         found = next((each for each in self._others if each.model == model), None) or self._with(model)

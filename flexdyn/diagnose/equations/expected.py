@@ -35,9 +35,7 @@ def expected_data(equations: Equations, noise: SampleNoise, whiten: Whitener, sc
     many = len(equations.kinds)
     white = whiten(equations.residual).reshape(-1, many) / scale**2
     weighted = whiten.back(white.ravel()).reshape(-1, many)
-    lengths = [equations.filters.count(len(along.t)) for along in equations.motions]
-    parts = np.split(weighted, np.cumsum(lengths)[:-1])
-    each = zip(equations.data, equations.motions, parts, strict=True)
+    each = zip(equations.data, equations.motions, equations.by_recording(weighted), strict=True)
     return tuple(_less_noise(equations, noise, *one) for one in each)
 
 

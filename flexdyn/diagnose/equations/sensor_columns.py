@@ -33,7 +33,8 @@ def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect 
 
     def error(along: SmoothedMotion) -> Array:
         # The data of a motion are without the model's sensor effects: one of these is moved on the recorded channel.
-        seen, data = getattr(along.data, signal)[:, j], recorded[id(along)]
+        seen: Array = getattr(along.data, signal)[:, j]
+        data = recorded[id(along)]
         if instead is None:
             return _true(effect, along.data, seen) - seen
         return true_channel(has, getattr(data, signal)[:, j], data) - seen

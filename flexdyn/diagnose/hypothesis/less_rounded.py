@@ -65,13 +65,10 @@ def _smoother(variance: float, dt: float) -> GaussianSmoother:
 
 def _at_rows(at: Equations, other: Equations, values: Array) -> Array:
     """Values of equations that have a row at every sample, at the times of the rows (rows,); NaN beyond their ends."""
-    table, found, first = values.reshape(-1, len(at.kinds)), [], 0
-    for mine, along in zip(at.motions, other.motions, strict=True):
-        count = other.filters.count(len(along.t))
+    found, parts = [], other.by_recording(values.reshape(-1, len(at.kinds)))
+    for mine, along, table in zip(at.motions, other.motions, parts, strict=True):
         begin = along.t[other.filters.second.half]
         places = np.rint((mine.t[at.filters.instants(len(mine.t))] - begin) / along.dt).astype(int)
-        inside = (places >= 0) & (places < count)
-        rows = table[first : first + count][np.where(inside, places, 0)]
-        found.append(np.where(inside[:, None], rows, np.nan).ravel())
-        first += count
+        inside = (places >= 0) & (places < len(table))
+        found.append(np.where(inside[:, None], table[np.where(inside, places, 0)], np.nan).ravel())
     return np.concatenate(found)

@@ -72,9 +72,7 @@ def peaks(equations: Equations, left: Array, runs: Indices, row: int, signal: st
 def _motion(equations: Equations, j: int, signal: str) -> tuple[Array, Array]:
     """Position and speed of a joint at the rows."""
     rate = {"q": "v", "theta": "omega"}[signal]
-    at = [(along, equations.filters.instants(len(along.t))) for along in equations.motions]
-    x = np.concatenate([getattr(along, signal)[where, j] for along, where in at])
-    return x, np.concatenate([getattr(along, rate)[where, j] for along, where in at])
+    return equations.at_rows(signal)[:, j].copy(), equations.at_rows(rate)[:, j].copy()
 
 
 def _filter(equations: Equations) -> float:
