@@ -100,22 +100,23 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
     if effect.makes_elastic:  # to first order
         return of_compliance(equations, j) / (float(getattr(effect, effect.makes_elastic)) * scale)
     if effect.scales_torque:
-        return (
-            equations.of_torque(j, lambda along: ("motor", effect.torque_gain * _motor_torque(equations, along, j)))
-            / scale
-        )
+
+        def gained(along: SmoothedMotion) -> tuple[str, Array]:
+            return "motor", effect.torque_gain * (equations.needed(along, j) - equations.lost(along, j))
+
+        return equations.of_torque(j, gained) / scale
     if stands_alone(equations, effect):
         return equations.of_torque(j, lambda along: own_torque(effect, true, along)) / scale
     if effect.stage == "actuator":
-        return equations.of_torque(j, lambda along: ("motor", _on_its_way(true, effect, along, j))) / scale
+        return equations.of_torque(j, lambda along: ("motor", on_its_way(true, effect, along, j))) / scale
     if effect.side == "transmission" and true.elastic[j] and not is_loaded(equations, j):
         return equations.of_spring(j, effect) / scale
     with_it = equations.of_joint(j, true, [*true.all_effects, effect])
     return (with_it - equations.own(j)) / scale
 
 
-def _on_its_way(true: FlexibleJointModel, effect: JointEffect, along: SmoothedMotion, j: int) -> Array:
-    """What an effect does to the recorded torque on its way to the rotor (samples,)."""
+def on_its_way(true: FlexibleJointModel, effect: JointEffect, along: SmoothedMotion, j: int) -> Array:
+    """What an effect does to a motion's torque on its way to the rotor (samples,)."""
     acting = of_joint(true.all_effects, effect.joint)
     return applied_torque([*acting, effect], along, j) - applied_torque(acting, along, j)
 
@@ -144,11 +145,6 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
         return of_change(equations, effect, moved) / step
     j, effects = true.index(effect.joint), [moved if e == effect else e for e in true.all_effects]
     return (equations.of_joint(j, true, effects) - equations.own(j)) / step
-
-
-def _motor_torque(equations: Equations, along: SmoothedMotion, j: int) -> Array:
-    """Torque (samples,) that a motor must give according to the model, in the scale of the recorded torque."""
-    return equations.needed(along, j) - equations.lost(along, j)
 
 
 def on_joint(effect: Effect) -> JointEffect:

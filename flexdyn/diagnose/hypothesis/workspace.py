@@ -65,7 +65,7 @@ class Unweighted:
         channels = tuple(f"{signal}.{joint}" for j, joint in enumerate(joints) for signal in there if there[signal][j])
         states, sigma = of_first_states(equations)
         unknown = np.column_stack([*_of_offsets(at or equations, channels), states, *_of_lags(at or equations)])
-        return cls(equations, number_columns.of_numbers(equations, list(numbers)), unknown, channels, sigma)
+        return cls(equations, number_columns.of_numbers(equations, tuple(numbers)), unknown, channels, sigma)
 
     def with_offsets_of(self, at: Equations) -> Unweighted:
         """The same with the slopes of other equations by lags of torques and by encoders' offsets.
