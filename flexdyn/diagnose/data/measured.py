@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -52,6 +53,11 @@ class Measured:
     def both(self) -> Flags:
         """Joints with both encoders (n,)."""
         return np.asarray(self.has_q & self.has_theta)
+
+    def encoders(self, joints: Sequence[str]) -> tuple[str, ...]:
+        """Channels of the encoders, joint by joint: ``q.<joint>`` and ``theta.<joint>``."""
+        there = {"q": self.has_q, "theta": self.has_theta}
+        return tuple(f"{signal}.{joint}" for j, joint in enumerate(joints) for signal in there if there[signal][j])
 
     def part(self, first: int, last: int) -> Measured:
         """Samples from `first` up to, but without, `last`; times are still those since the start of the run."""

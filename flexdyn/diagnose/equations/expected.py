@@ -69,7 +69,7 @@ def onto_samples(
         at: samples to which the rows belong (times,).
         samples: of the channel.
     """
-    kernels = kernels_of(equations)["position" if channel[0] in ("q", "theta") else channel[0]]
+    kernels = kernels_of(equations)[channel[0]]
     total = np.zeros(samples)
     for order, terms in orders.items():
         sparse = np.zeros(samples)
