@@ -61,6 +61,10 @@ class ModelRows:
         """White rows of a model (rows of an equation, equations)."""
         return self.whiten(at.residual).reshape(self.seen.shape)
 
+    def size(self, at: Equations) -> float:
+        """Root mean square of a model's white rows that are not masked [1]."""
+        return rms(self.white(at)[self.seen])
+
     def of_hypothesis(self, hypothesis: Hypothesis) -> Equations:
         """Equations of another model over the same data."""
         return self.given.of(hypothesis.seen())
