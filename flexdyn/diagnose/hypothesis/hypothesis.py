@@ -52,6 +52,10 @@ class Hypothesis:
         """The model with the offsets of its encoders."""
         return with_factors(self.given, self.factors, (*self.effects, *self.counts))
 
+    def is_beyond(self, number: FileNumber) -> bool:
+        """Whether a number is out of its tolerance."""
+        return abs(self.factors[number] - 1.0) > IN_TOLERANCE * number.tolerance
+
     def tolerated(self) -> Hypothesis:
         """The same with its numbers back within their tolerance: the cause of their displacement may be gone."""
         factors = dict(self.factors)
