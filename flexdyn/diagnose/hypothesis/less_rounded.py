@@ -43,7 +43,7 @@ def rounding(at: Equations, made: Fit) -> Array:
         at: equations of a hypothesis.
         made: a fit of it, whose workspace knows the noise.
     """
-    dt, first, second = at.data[0].dt, _variance(at.filters.first), _variance(at.filters.second)
+    dt, first, second = at.data[0].dt, at.filters.first.variance, at.filters.second.variance
     passes = 1 + bool(at.computed.any())  # a computed position passes the first filter twice
     narrow = at.with_filters(Filters(at.filters.first, _smoother(second + passes * first, dt), 1))
     wide = at.with_filters(Filters(_smoother(2.0 * first, dt), at.filters.second, 1))
@@ -51,12 +51,6 @@ def rounding(at: Equations, made: Fit) -> Array:
     hidden = [_at_rows(at, each, sign_mask(each, made.space.noise).astype(float)) for each in (narrow, wide)]
     clear = np.isfinite(rows) & (hidden[0] == 0.0) & (hidden[1] == 0.0)
     return np.where(clear, -rows, 0.0)
-
-
-def _variance(smoother: GaussianSmoother) -> float:
-    """Of a smoother's kernel [samples^2]."""
-    k = np.arange(-smoother.half, smoother.half + 1)
-    return float(smoother.taps[0] @ k**2)
 
 
 def _smoother(variance: float, dt: float) -> GaussianSmoother:
