@@ -10,8 +10,6 @@ from flexdyn.effects.model_error import effect_place
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.resolved_parameters import OF_MOTOR, units_of
 
-LIMIT = 3.0
-"""Tolerances by which a number may move and be calibrated (contract, section 8)."""
 FACTOR = "1"
 """Unit of a number of which only the factor is known."""
 UNITS = {
