@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -88,33 +88,28 @@ def parts(model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[R
     Raises:
         InputError: a recording that does not fit the model.
     """
-    whole = [(each, measured(model, each)) for each in fit]
+    whole = tuple(DataPart(each, measured(model, each), "fit") for each in fit)
     if check:
-        tests = tuple(DataPart(each, measured(model, each), "test") for each in check)
-        return tuple(DataPart(*each, "fit") for each in whole), tests
+        return whole, tuple(DataPart(each, measured(model, each), "test") for each in check)
     kept = _kept_apart(whole)
-    if kept[0] and moves_long_enough([each.data for each in kept[0]]):
-        return kept
-    return tuple(DataPart(*each, "fit") for each in whole), ()
+    return kept if kept[0] and moves_long_enough([each.data for each in kept[0]]) else (whole, ())
 
 
-def _kept_apart(whole: Sequence[tuple[Recording, Measured]]) -> Parts:
+def _kept_apart(whole: tuple[DataPart, ...]) -> Parts:
     """What would be fitted, and test data; nothing to fit where a lone recording is too short to be cut."""
-    if any(data.t[-1] < SHORTEST_CUT_RECORDING for _, data in whole):
+    if any(each.data.t[-1] < SHORTEST_CUT_RECORDING for each in whole):
         return _apart(whole)
-    halves = [_halves(*each) for each in whole]
+    halves = [_halves(each.recording, each.data) for each in whole]
     return tuple(first for first, _ in halves), tuple(last for _, last in halves)
 
 
-def _apart(whole: Sequence[tuple[Recording, Measured]]) -> Parts:
+def _apart(whole: tuple[DataPart, ...]) -> Parts:
     """Recordings too short to be cut: the last ones are test data as they are, until these hold the test share."""
-    seconds = [float(moving(data).sum()) * data.dt for _, data in whole]
+    seconds = [float(moving(each.data).sum()) * each.data.dt for each in whole]
     first = len(whole) - 1
     while first > 1 and sum(seconds[first:]) < TEST_SHARE * sum(seconds):
         first -= 1
-    return tuple(DataPart(*each, "fit") for each in whole[:first]), tuple(
-        DataPart(*each, "test") for each in whole[first:]
-    )
+    return whole[:first], tuple(replace(each, role="test") for each in whole[first:])
 
 
 def _halves(recording: Recording, data: Measured) -> tuple[DataPart, DataPart]:
