@@ -54,6 +54,11 @@ class Measured:
         """Joints with both encoders (n,)."""
         return np.asarray(self.has_q & self.has_theta)
 
+    @property
+    def moved(self) -> Array:
+        """Positions of the links, without an encoder there those of the rotors (samples, n)."""
+        return np.where(self.has_q, self.q, self.theta)
+
     def encoders(self, joints: Sequence[str]) -> tuple[str, ...]:
         """Channels of the encoders, joint by joint: ``q.<joint>`` and ``theta.<joint>``."""
         there = {"q": self.has_q, "theta": self.has_theta}
