@@ -6,10 +6,11 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.compliance import of_compliance
+from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.sensor_columns import of_sensor
-from flexdyn.diagnose.equations.terms import adds_up, applied_torque, of_joint, own_torque, spreads
+from flexdyn.diagnose.equations.terms import adds_up, applied_torque, own_torque, spreads
 from flexdyn.diagnose.lazy import kept
 from flexdyn.effects import Effect, JointEffect, SensorEffect
 from flexdyn.errors import InputError
@@ -34,8 +35,7 @@ def stands_alone(equations: Equations, effect: JointEffect) -> bool:
 
 def is_loaded(equations: Equations, j: int) -> bool:
     """Whether a joint has friction that depends on its transmission torque."""
-    true = equations.true
-    return any(isinstance(e, JointEffect) and e.takes_load and true.index(e.joint) == j for e in true.all_effects)
+    return any(effect.takes_load for effect in acting_on(equations.true, j))
 
 
 def moves_links(equations: Equations, effect: Effect) -> bool:
@@ -117,7 +117,7 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
 
 def on_its_way(true: FlexibleJointModel, effect: JointEffect, along: SmoothedMotion, j: int) -> Array:
     """What an effect does to a motion's torque on its way to the rotor (samples,)."""
-    acting = of_joint(true.all_effects, effect.joint)
+    acting = acting_on(true, j)
     return applied_torque([*acting, effect], along, j) - applied_torque(acting, along, j)
 
 

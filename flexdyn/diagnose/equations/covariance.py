@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from flexdyn import _core
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.hidden_links import hidden_links_error, noise_of_vibration
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION
 from flexdyn.diagnose.equations.motion import SmoothedMotion
-from flexdyn.diagnose.equations.terms import of_joint, torque_slope
+from flexdyn.diagnose.equations.terms import torque_slope
 from flexdyn.diagnose.lazy import last
 
 Coefficient = float | Array
@@ -151,7 +152,7 @@ def passed_torque(equations: Equations, along: SmoothedMotion, j: int) -> Coeffi
 
     Root mean square over a row's filter; without limits the motor's gain.
     """
-    slope = torque_slope(of_joint(equations.true.all_effects, equations.true.joint_names[j]), along, j)
+    slope = torque_slope(acting_on(equations.true, j), along, j)
     if slope is None:
         return float(equations.gains[j])
     return np.sqrt(np.maximum(equations.filters.rows(slope**2), 0.0))

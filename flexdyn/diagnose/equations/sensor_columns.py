@@ -9,10 +9,11 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import true_channel
+from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.equations.equations import Equations, Torques
 from flexdyn.diagnose.equations.held_torque import centred
 from flexdyn.diagnose.equations.motion import SmoothedMotion
-from flexdyn.diagnose.equations.terms import of_joint, spring_torque
+from flexdyn.diagnose.equations.terms import spring_torque
 from flexdyn.effects import SensorEffect
 from flexdyn.effects.channels import by_channel
 
@@ -104,8 +105,7 @@ def _spring_change(
     for name, change in zip(names, (d0, d1), strict=True):
         changed[name] = getattr(along, name).copy()
         changed[name][:, j] += change
-    acting = of_joint(equations.true.all_effects, equations.true.joint_names[j])
-    moved = spring_torque(equations.true, acting, dataclasses.replace(along, **changed), j)
+    moved = spring_torque(equations.true, acting_on(equations.true, j), dataclasses.replace(along, **changed), j)
     link, motor = (moved - equations.spring(along, j)).T.copy()
     return link, motor
 

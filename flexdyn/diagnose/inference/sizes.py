@@ -10,10 +10,11 @@ import numpy as np
 
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.constants import LEAST_DAMPING_RATIO, SMALLEST_TORQUE_SHARE
+from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import MOTOR, TOTAL, TRANSMISSION
-from flexdyn.diagnose.equations.terms import of_joint, spring_torque
+from flexdyn.diagnose.equations.terms import spring_torque
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import Effect, JointEffect, registered
@@ -104,7 +105,7 @@ class Sizes:
         j = true.index(effect.joint)
         if not self.equations.computed[j]:
             return 0.0
-        others = [each for each in of_joint(true.all_effects, effect.joint) if each != effect]
+        others = [each for each in acting_on(true, j) if each != effect]
         parts = [
             spring_torque(true, [*others, effect], along, j)[:, 0] - spring_torque(true, others, along, j)[:, 0]
             for along in self.equations.motions
