@@ -10,7 +10,7 @@ from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.sensor_columns import of_sensor
-from flexdyn.diagnose.equations.terms import adds_up, applied_torque, own_torque, spreads
+from flexdyn.diagnose.equations.terms import applied_torque, own_torque, spreads
 from flexdyn.diagnose.lazy import kept
 from flexdyn.effects import Effect, JointEffect, SensorEffect
 from flexdyn.errors import InputError
@@ -25,7 +25,7 @@ ENLARGEMENTS, LARGEST_ENLARGEMENT = 8, 1e4
 
 def stands_alone(equations: Equations, effect: JointEffect) -> bool:
     """Whether an effect's torque enters the equations directly and changes no other torque."""
-    if not adds_up(effect):
+    if effect.takes_load or effect.stage not in ("friction", "dry", "link") or effect.side not in ("motor", "link"):
         return False
     j = equations.true.index(effect.joint)
     if equations.replayed[j] and effect.side != "motor":

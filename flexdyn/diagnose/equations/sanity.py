@@ -103,7 +103,7 @@ def _range_of_motion(x: Array, dt: float) -> float:
     """Range of a position (samples,), averaged over 20 ms to reduce noise."""
     width = min(max(1, round(0.02 / dt)), len(x))
     means = x[: len(x) // width * width].reshape(-1, width).mean(axis=1)
-    return float(means.max() - means.min())
+    return float(np.ptp(means))
 
 
 def moves_long_enough(data: Sequence[Measured]) -> bool:
@@ -119,18 +119,16 @@ def _positions(data: Sequence[Measured]) -> tuple[list[str], list[Array]]:
 
 def _moving_time(data: Sequence[Measured], signals: Sequence[str], noise: Sequence[Array]) -> float:
     """Time in which some joint of the recordings moves by more than its noise, in blocks of 0.1 s [s]."""
-    return sum(_moving_blocks(each, signals, noise) for each in data)
-
-
-def _moving_blocks(data: Measured, signals: Sequence[str], noise: Sequence[Array]) -> float:
-    width = max(1, round(0.1 / data.dt))
-    blocks = len(data.t) // width
-    moves = np.zeros(blocks, dtype=bool)
-    for j, signal in enumerate(signals):
-        x = getattr(data, signal)[: blocks * width, j].reshape(blocks, width)
-        spread = x.max(axis=1) - x.min(axis=1)
-        moves |= spread > MOVING_SIGMAS * float(noise[signal == "theta"][j])
-    return float(moves.sum()) * width * data.dt
+    seconds = 0.0
+    for each in data:
+        width = max(1, round(0.1 / each.dt))
+        blocks = len(each.t) // width
+        moves = np.zeros(blocks, dtype=bool)
+        for j, signal in enumerate(signals):
+            x = getattr(each, signal)[: blocks * width, j].reshape(blocks, width)
+            moves |= np.ptp(x, axis=1) > MOVING_SIGMAS * float(noise[signal == "theta"][j])
+        seconds += float(moves.sum()) * width * each.dt
+    return seconds
 
 
 def _passive(model: FlexibleJointModel, data: Sequence[Measured]) -> Iterator[str]:

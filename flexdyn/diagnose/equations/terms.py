@@ -134,12 +134,6 @@ def _not_friction(
     return found
 
 
-def adds_up(effect: JointEffect) -> bool:
-    """Whether an effect's torque does not depend on the other effects of its joint."""
-    plain = effect.stage in ("friction", "dry", "link") and not effect.takes_load
-    return plain and effect.side in ("motor", "link")
-
-
 def own_torque(effect: JointEffect, model: FlexibleJointModel, motion: SmoothedMotion) -> tuple[str, Array]:
     """Side of an additive effect, and its torque (samples,) on the right side of that side's equation."""
     j, side = model.index(effect.joint), "link" if effect.stage == "link" else str(effect.side)
