@@ -82,7 +82,7 @@ class ModelRows:
 
 def summed(at: Equations, j: int) -> tuple[Array, list[int]]:
     """Torque of a joint that its equations leave (rows,), recorded less needed, and which equations these are."""
-    own = [k for k, (i, kind) in enumerate(at.kinds) if i == j and kind in (MOTOR, LINK, TOTAL)]
+    own = at.places(j, MOTOR, LINK, TOTAL)
     rows = at.residual.reshape(-1, len(at.kinds))
     units = {LINK: at.softness[j] / at.gains[j]}
     return np.asarray(sum(rows[:, k] * units.get(at.kinds[k][1], 1.0) for k in own)), own

@@ -146,7 +146,7 @@ class Sizes:
         j = self.equations.true.index(joint)
         if not self.equations.unmeasured[j]:
             return 0
-        which = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
+        which = self.equations.places(j, MOTOR, TOTAL)
         return int((~self.mask.reshape(-1, len(self.equations.kinds))[:, which]).sum())
 
     def log_jacobian(self, effect: Effect) -> float:
@@ -160,12 +160,11 @@ class Sizes:
         if effect.scales_torque:
             return self.rows_of(effect.joint) * float(np.log(max(1.0 + effect.torque_gain, 0.01)))
         j, total = self.equations.true.index(effect.joint), 0.0
-        rows = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
-        floor = self.noise.tau[j] / self.reference[rows[0]]
+        torque = float(self.reference[self.equations.places(j, MOTOR, TOTAL)[0]])
+        floor, step = self.noise.tau[j] / torque, 1e-3 * torque
         for along in self.equations.motions:
             at = self.equations.filters.instants(len(along.t))
             x, u, tau, t = along.theta[at, j], along.omega[at, j], along.tau[at, j], along.t[at]
-            step = 1e-3 * float(self.reference[rows[0]])
             ahead, behind = (torque_of(effect, x, u, t=t, tau=tau + sign * step) for sign in (1.0, -1.0))
             slope = np.abs(ahead - behind) / (2.0 * step)
             total += float(np.log(np.clip(slope, floor, 1.0)).sum())
