@@ -23,12 +23,12 @@ def less_rounded(made: Fit) -> Fit:
     at = made.space.equations
     if at.simulated or at.replayed.any():
         return made
-    space = dataclasses.replace(made.space, equations=at.less(rounding(made.equations, made)))
+    space = dataclasses.replace(made.space, equations=at.less(rounding(made)))
     other = fit(made.hypothesis, space)
     return other if other.reached < made.reached else made
 
 
-def rounding(at: Equations, made: Fit) -> Array:
+def rounding(made: Fit) -> Array:
     """Error of the rows (rows,) by what the first filter does to a motion before laws see it.
 
     A law g sees the filtered motion F y, where its torque should be F g(y). With the second filter S, the difference is
@@ -40,9 +40,9 @@ def rounding(at: Equations, made: Fit) -> Array:
     pass on. Rows near a reversal, as these filters see it, are left as they are: dry friction jumps there.
 
     Args:
-        at: equations of a hypothesis.
-        made: a fit of it, whose workspace knows the noise.
+        made: a fit, of whose equations they are.
     """
+    at = made.equations
     dt, first, second = at.data[0].dt, at.filters.first.variance, at.filters.second.variance
     passes = 1 + bool(at.computed.any())  # a computed position passes the first filter twice
     narrow = at.with_filters(Filters(at.filters.first, _smoother(second + passes * first, dt), 1))
