@@ -111,8 +111,3 @@ def bounded(effect: Effect, name: str, step: float) -> float:
 def _landed(value: float, bound: float, step: float) -> float:
     """Set a value to its bound if only rounding separates them: a size of 1e-30 is zero."""
     return bound if abs(value - bound) < STEP_ROUNDING * abs(step) else value
-
-
-def kind_and_place(effect: Effect | None) -> tuple[object, ...]:
-    """Identity of an effect without its numbers."""
-    return tuple(getattr(effect, key, None) for key in ("name", "joint", "side", "channel", "frame"))

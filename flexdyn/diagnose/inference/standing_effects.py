@@ -8,7 +8,6 @@ from collections.abc import Callable
 import numpy as np
 
 from flexdyn.diagnose.constants import EFFECT_TORQUE_SHARE
-from flexdyn.diagnose.hypothesis.hypothesis import kind_and_place
 from flexdyn.diagnose.hypothesis.linear import tangent, tangent_scale
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.inference.candidate import Column, natural
@@ -33,7 +32,7 @@ def beliefs(maker: ColumnMaker, effects: tuple[Effect, ...]) -> Belief:
         nothing = effect.neutral.get(name)
         if nothing is None or not np.isfinite(nothing):
             return belief(maker, effect, name)
-        place = (*kind_and_place(effect), name)
+        place = (name, *(getattr(effect, key, None) for key in ("name", "joint", "side", "channel", "frame")))
         if place not in known:
             known[place] = (float(nothing), _spread(at, effect, name))
         return known[place][0] - getattr(effect, name), known[place][1]
