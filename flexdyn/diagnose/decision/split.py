@@ -25,15 +25,13 @@ from flexdyn.records import Recording, RecordingWarning
 from flexdyn.records.signals.cut import samples_between
 
 SHORTEST_TEST_DATA = 1.0
-"""Least length of such test data [s]: two windows of 0.5 s."""
+"""Least length of such test data, of a block, and of a piece between blocks [s]: two windows of 0.5 s."""
 FEWEST_TEST_SAMPLES = 100
 """Least number of samples of such test data: at a slow clock the two filters take 20 at either end."""
 SHORTEST_CUT_RECORDING = 2.5
 """Shorter recordings are not cut, because the rest would be too short to fit [s]."""
 MOVING_TIME = 0.2
 """Time over which a joint must change its position to count as moving [s]."""
-SHORTEST_BLOCK = 1.0
-"""Least length of a block, and of a piece between blocks [s]: two windows of 0.5 s."""
 Block = tuple[float, float]
 Recordings = tuple[Recording, ...]
 
@@ -158,9 +156,9 @@ def checked_blocks(given: Any) -> tuple[Block, ...]:
         ends = [as_number(end) for end in entry] if isinstance(entry, Sequence) and not isinstance(entry, str) else []
         if len(ends) != 2 or not all(map(math.isfinite, ends)):
             raise InputError("a block is a first and a last time", key="hold_out", value=entry, remedy=remedy)
-        if ends[1] - ends[0] < SHORTEST_BLOCK:
+        if ends[1] - ends[0] < SHORTEST_TEST_DATA:
             problem = f"a block of {ends[1] - ends[0]:.4g} s is too short for a test"
-            raise InputError(problem, key="hold_out", value=entry, remedy=f"give {SHORTEST_BLOCK:g} s or more")
+            raise InputError(problem, key="hold_out", value=entry, remedy=f"give {SHORTEST_TEST_DATA:g} s or more")
         found.append((ends[0], ends[1]))
     return tuple(found)
 
@@ -188,7 +186,7 @@ def without_blocks(recordings: Sequence[Recording], blocks: Sequence[Block]) -> 
         edges = [0, *(np.flatnonzero(np.diff(which)) + 1).tolist(), len(rec)]
         for low, high in pairwise(edges):
             k, length = int(which[low]), float(rec.t[high - 1] - rec.t[low])
-            if length < SHORTEST_BLOCK - 2.0 * rec.duration / len(rec):
+            if length < SHORTEST_TEST_DATA - 2.0 * rec.duration / len(rec):
                 if k < 0:
                     problem = f"{length:.3g} s from t = {rec.t[low]:.6g} s on are too short to fit"
                     warnings.warn(f"{rec.name}: {problem} and left out", RecordingWarning, stacklevel=4)
@@ -198,7 +196,7 @@ def without_blocks(recordings: Sequence[Recording], blocks: Sequence[Block]) -> 
     for k, block in enumerate(blocks):
         if k not in met:
             spans = "; ".join(f"{rec.name or 'a recording'} {rec.t[0]:.6g} to {rec.t[-1]:.6g} s" for rec in recordings)
-            problem = f"no recording has {SHORTEST_BLOCK:g} s in this block"
+            problem = f"no recording has {SHORTEST_TEST_DATA:g} s in this block"
             raise InputError(
                 problem, key="hold_out", value=f"{block[0]:g} to {block[1]:g} s", remedy=f"there are {spans}"
             )

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from flexdyn.arrays import Array
+from flexdyn.diagnose.constants import REST_SIGMAS
 from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.both_encoders import check_encoders
@@ -27,8 +28,6 @@ REMEDY = (
 )
 LEAST_RATE = 20.0
 """Smallest rate [Hz]: below it accelerations of an arm cannot be seen, and the clock is probably in ms."""
-MOVING_SIGMAS = 10.0
-"""A joint moves if the range of its positions exceeds this number of standard deviations of the encoder's noise [1]."""
 UNCHECKED = "Units and signs of the torques were not checked, as numbers of the model are not known."
 
 
@@ -88,7 +87,7 @@ def _check_motion(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
     for j, (joint, signal) in enumerate(zip(model.joint_names, signals, strict=True)):
         sigma = float(noise[signal == "theta"][j])
         wide = max(_range_of_motion(getattr(each, signal)[:, j], each.dt) for each in data)
-        if wide <= MOVING_SIGMAS * sigma:
+        if wide <= REST_SIGMAS * sigma:
             remedy = f"move it, or lock it in the model (robot.lock: {{{joint}: ...}})"
             problem = "the joint does not move beyond its encoder's noise"
             value = f"a range of {wide:.2g} at a noise of {sigma:.2g}"
@@ -126,7 +125,7 @@ def _moving_time(data: Sequence[Measured], signals: Sequence[str], noise: Sequen
         moves = np.zeros(blocks, dtype=bool)
         for j, signal in enumerate(signals):
             x = getattr(each, signal)[: blocks * width, j].reshape(blocks, width)
-            moves |= np.ptp(x, axis=1) > MOVING_SIGMAS * float(noise[signal == "theta"][j])
+            moves |= np.ptp(x, axis=1) > REST_SIGMAS * float(noise[signal == "theta"][j])
         seconds += float(moves.sum()) * width * each.dt
     return seconds
 
