@@ -108,7 +108,7 @@ def test_columns_of_the_motors_numbers_are_slopes_of_the_rows(tmp_path: Path) ->
         numbers = [
             each for each in file_numbers(equations.model) if each.parameter in ("torque_constant", "resistance")
         ]
-        columns = of_numbers(equations, numbers)
+        columns = of_numbers(equations, tuple(numbers))
         for number, column in zip(numbers, columns.T, strict=True):
             ahead, behind = (equations.of(with_factors(equations.model, {number: f})).residual for f in (1.001, 0.999))
             slope = (ahead - behind) / 0.002

@@ -119,7 +119,7 @@ def test_a_numbers_column_is_the_slope_of_the_residual(signals: tuple[str, ...])
     """By central differences over the whole model, positions that are made up included."""
     at = equations(Levels(1e-6, 1e-3), 0, signals)
     numbers = file_numbers(at.model)
-    for number, found in zip(numbers, number_columns.of_numbers(at, numbers).T, strict=True):
+    for number, found in zip(numbers, number_columns.of_numbers(at, tuple(numbers)).T, strict=True):
         sides = [
             at.of(at.model.replace(effects=[*at.model.effects, number.error(1.0 + step)])).residual
             for step in (1e-3, -1e-3)
@@ -147,7 +147,7 @@ def test_a_laws_column_is_the_slope_of_the_residual(signals: tuple[str, ...]) ->
     numbers = [number for number in file_numbers(at.model) if number.of.startswith("effects")]
     assert len(numbers) == 7
     near = 2e-3 if signals == BOTH else 0.15  # a made-up position takes notice of forces to first order
-    for number, found in zip(numbers, number_columns.of_numbers(at, numbers).T, strict=True):
+    for number, found in zip(numbers, number_columns.of_numbers(at, tuple(numbers)).T, strict=True):
         sides = [
             at.of(at.model.replace(effects=[*at.model.effects, number.error(1.0 + step)])).residual
             for step in (1e-3, -1e-3)

@@ -140,7 +140,7 @@ def test_products_of_slopes_and_residual_have_no_mean(clean: tuple[Equations, Sa
     at, noise = clean
     number = next(n for n in file_numbers(at.model) if n.parameter == "stiffness" and n.of == "shoulder")
     rng, open_ = np.random.default_rng(2), np.zeros(at.residual.size, bool)
-    true = of_numbers(at, [number])  # its product with the residual has no mean, and most of the scatter
+    true = of_numbers(at, (number,))  # its product with the residual has no mean, and most of the scatter
     recorded: list[float] = []
     expected: list[float] = []
     for _ in range(DRAWS):
@@ -148,7 +148,7 @@ def test_products_of_slopes_and_residual_have_no_mean(clean: tuple[Equations, Sa
         white = whitener(drawn, noise, open_)
         along = dataclasses.replace(at, data=expected_data(drawn, noise, white, np.ones(len(at.kinds))))
         for found, motion in ((recorded, drawn), (expected, along)):
-            found.append(float(white(of_numbers(motion, [number]) - true)[:, 0] @ white(drawn.residual)))
+            found.append(float(white(of_numbers(motion, (number,)) - true)[:, 0] @ white(drawn.residual)))
     step = 0.01
     slope = (_log_determinant(at, noise, number, 1.0 + step) - _log_determinant(at, noise, number, 1.0 - step)) / step
     bias = 0.25 * slope

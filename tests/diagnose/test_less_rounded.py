@@ -68,7 +68,7 @@ def test_a_wave_has_its_right_size(tmp_path: Path) -> None:
 def test_linear_laws_have_no_such_error(tmp_path: Path) -> None:
     """What noise and rounding make of it is far below the noise of the rows."""
     made = fitted(tmp_path, slid(0.0), ViscousFriction("lift", side="motor", coefficient=DAMPING))
-    rows = made.space.whiten(rounding(made.equations, made))
+    rows = made.space.whiten(rounding(made))
     assert np.abs(rows).max() < 0.02
 
 
@@ -76,6 +76,6 @@ def test_rows_near_a_reversal_are_left_as_they_are(tmp_path: Path) -> None:
     """Dry friction jumps there: the wider filter sees more of the jump, which is no error of the narrow one."""
     dry = CoulombFriction("lift", side="motor", level=5.0)
     made = fitted(tmp_path, slid(0.0, 5.0), dry, ViscousFriction("lift", side="motor", coefficient=DAMPING))
-    rows = made.space.whiten(rounding(made.equations, made))
+    rows = made.space.whiten(rounding(made))
     assert np.abs(rows).max() < 0.5
     assert less_rounded(made).hypothesis.effects[0].values == pytest.approx((5.0,), abs=0.02)

@@ -10,12 +10,13 @@ import pytest
 import flexdyn as fd
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.equations.covariance import coefficients, passed_torque, whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.held_torque import centred
 from flexdyn.diagnose.equations.match import match
 from flexdyn.diagnose.equations.noise import torque_noise
-from flexdyn.diagnose.equations.terms import applied_torque, of_joint, torque_slope
+from flexdyn.diagnose.equations.terms import applied_torque, torque_slope
 from flexdyn.simulation.link_side import LinkSide
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, RATE, Array, Levels
@@ -68,7 +69,7 @@ def test_units_and_signs_are_checked_against_a_model_that_has_the_limit() -> Non
 def test_the_noise_of_a_limited_torque_is_that_of_its_free_rows() -> None:
     """Where the limit cuts the torque, it cuts the noise; these rows say nothing of it."""
     at = _limited(_slow(), 1)
-    slope = torque_slope(of_joint(at.true.all_effects, "elbow"), at.motions[0], 1)
+    slope = torque_slope(acting_on(at.true, 1), at.motions[0], 1)
     assert slope is not None
     assert np.mean(slope < 0.5) > 0.5
     assert passed_torque(at, at.motions[0], 0) == 1.0

@@ -74,7 +74,10 @@ def compared_model(given: Given, label: str) -> ComparedModel:
 def _with_report(model: FlexibleJointModel, report: Mapping[str, Any], label: str) -> ComparedModel:
     """A model with the uncertainties and probabilities in the report of its diagnosis, else with its tolerances."""
     relative = {number_phrase(model, n.of, n.parameter): n.tolerance for n in file_numbers(model)}
-    factors, acting = {}, _effects_by_place(model)
+    factors = {}
+    # Effects of the arm or its sensors, but no wrong numbers of the file.
+    there = (each.to_dict() for each in model.effects if not each.is_neutral and not each.in_numbers)
+    acting = tuple(dict.fromkeys(map(_told, there)))
     probability = {_told(each): _float(each["probability"]) for each in report.get("considered", ())}
     probability |= dict.fromkeys(acting, 1.0)
     for entry in report.get("calibration", ()):
@@ -106,12 +109,6 @@ def _numbers_of_model(
         value = factors.get(phrase, value) if unit == FACTOR else value
         found[phrase] = Number(value, relative.get(phrase, number.tolerance) * abs(value), unit)
     return found
-
-
-def _effects_by_place(model: FlexibleJointModel) -> tuple[str, ...]:
-    """Effects of the arm or its sensors, but no wrong numbers of the file."""
-    acting = (each.to_dict() for each in model.effects if not each.is_neutral and not each.in_numbers)
-    return tuple(dict.fromkeys(map(_told, acting)))
 
 
 def _told(entry: Mapping[str, Any]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,9 +54,15 @@ class Measured:
         """Joints with both encoders (n,)."""
         return np.asarray(self.has_q & self.has_theta)
 
-    def channel(self, signal: str) -> Array:
-        """One signal of all joints (samples, n)."""
-        return np.asarray(getattr(self, signal))
+    @property
+    def moved(self) -> Array:
+        """Positions of the links, without an encoder there those of the rotors (samples, n)."""
+        return np.where(self.has_q, self.q, self.theta)
+
+    def encoders(self, joints: Sequence[str]) -> tuple[str, ...]:
+        """Channels of the encoders, joint by joint: ``q.<joint>`` and ``theta.<joint>``."""
+        there = {"q": self.has_q, "theta": self.has_theta}
+        return tuple(f"{signal}.{joint}" for j, joint in enumerate(joints) for signal in there if there[signal][j])
 
     def part(self, first: int, last: int) -> Measured:
         """Samples from `first` up to, but without, `last`; times are still those since the start of the run."""

@@ -57,8 +57,7 @@ def advice(model: FlexibleJointModel, data: Sequence[Measured]) -> Iterator[str]
             f"{name} has {rate:.4g} samples in a second: reversals and impacts lie between them, and effects that"
             f" differ there are hard to tell apart. Record at {ADVISED_RATE:g} Hz or more."
         )
-    where = np.where(slowest.has_q, slowest.q, slowest.theta)
-    inertia = np.diag(LinkSide(model).mass_matrix(where[len(where) // 2]))
+    inertia = np.diag(LinkSide(model).mass_matrix(slowest.moved[len(slowest.t) // 2]))
     for j in np.flatnonzero(model.elastic):
         hertz = math.sqrt(float(model.stiffness[j]) / float(inertia[j])) / math.tau
         if rate < SAMPLES_IN_A_PERIOD * hertz:

@@ -96,7 +96,7 @@ def _by_windows(plain: Workspace, compared: Posterior, found: Corrected, windows
 
     Windows and equations are likelihoods of the same data. A structure that either of them rejects is wrong.
     """
-    all_named = {c for c, _ in compared.best} <= {each.candidate for each in found.names}
+    all_named = {c for c, _ in compared.best} <= found.named
     other = reweighed(compared, windows, lambda made: leaves_noise(made, plain), all_named=all_named)
     return other if other is not None and leaves_noise(other.fitted, plain) else None
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.constants import ESTABLISHED, IN_TOLERANCE, LEAST_IN_COMMON, PROMISED_DROP, SMALLEST_TORQUE_SHARE
+from flexdyn.diagnose.constants import ESTABLISHED, LEAST_IN_COMMON, PROMISED_DROP, SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.even_odds import told_by_data
 from flexdyn.diagnose.decision.masses import Masses
@@ -66,6 +66,11 @@ class Corrected:
     def hypothesis(self) -> Hypothesis:
         """The corrected model's numbers and effects."""
         return self.fitted.hypothesis
+
+    @property
+    def named(self) -> frozenset[int]:
+        """Candidates that have names."""
+        return frozenset(each.candidate for each in self.names)
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -214,9 +219,7 @@ def _may_stand_in(found: Posterior, masses: Masses, of: int, c: int) -> bool:
     if not fitted and space.in_common(found.best, of, (c, dict(there)[c])) < LEAST_IN_COMMON:
         return False
     number = space.candidates[c].number
-    if number is None:
-        return True
-    return abs(hypothesis_of(space, there).factors[number] - 1.0) > IN_TOLERANCE * number.tolerance
+    return number is None or hypothesis_of(space, there).is_beyond(number)
 
 
 def _fit_of_kept(found: Posterior, made: Fit, kept: Collection[int]) -> Fit:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.arrays import Array, Flags
+from flexdyn.arrays import Array
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.figures import OnData
 from flexdyn.diagnose.decision.gaps import Shots
@@ -81,16 +81,14 @@ def _torque_curves(on: OnData, j: int, label: str) -> list[MeasuredCurve]:
 
     The lines are open at masked rows: a joint may rest there, and friction may then have any value.
     """
-    left, filters = [summed(at, j) for at in on.rows.models], on.rows.after.filters
-    clear: Flags = np.asarray(on.rows.seen[:, left[0][1]].all(axis=1))
-    curves, first = [], 0
-    for along, part in zip(on.rows.after.motions, on.parts, strict=True):
-        rows = slice(first, first + filters.count(len(along.t)))
-        first = rows.stop
+    left, at = [summed(each, j) for each in on.rows.models], on.rows.after
+    clear = on.rows.seen[:, left[0][1]].all(axis=1)
+    off = np.where(clear, -np.stack([residual for residual, _ in left]), np.nan)
+    curves = []
+    parts = zip(on.parts, at.motions, *map(at.by_recording, (at.at_rows("t"), off.T)), strict=True)
+    for part, along, t, errors in parts:
         begin = float(part.recording.t[0] - part.data.t[0])
-        t = begin + along.t[filters.instants(len(along.t))]
-        off = np.where(clear[rows], -np.stack([residual[rows] for residual, _ in left]), np.nan)
-        curves.append(MeasuredCurve(label, t, filters.rows(along.tau[:, j]), off))
+        curves.append(MeasuredCurve(label, begin + t, at.filters.rows(along.tau[:, j]), errors.T))
     return curves
 
 

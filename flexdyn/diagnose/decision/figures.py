@@ -15,7 +15,6 @@ from flexdyn.diagnose.decision.model_rows import ModelRows, rms, rows_of_models
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.decision.verdict import dependence, left_by_joint
-from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.localise import localise
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
@@ -109,15 +108,10 @@ def on_fit(plain: Workspace, made: Fit, found: Corrected, parts: Sequence[DataPa
         errors = errors_of([at.of(each.seen()) for each in either])
         nearer = int(errors[1] <= errors[0])
     rows = ModelRows((at, at.of(either[nearer].seen()), after), plain.noise, plain.whiten)
-    where, left = (_places(plain, each) for each in rows.models[1:])
+    # Where a residual is more than noise, apart from offsets of the encoders.
+    where, left = (localise(each, plain.white(each.residual), plain.whiten.mask) for each in rows.models[1:])
     forces = Forces.of(rows) if are_prescribed(parts) else off
     return OnFit(parts, rows, forces, either[nearer], made, where, left)
-
-
-def _places(plain: Workspace, at: Equations) -> tuple[ResidualPlace, ...]:
-    """Where a model's residual is more than noise, apart from offsets of the encoders."""
-    found = localise(at, plain.white(at.residual), plain.whiten.mask)
-    return tuple(ResidualPlace(each.joint, each.side, each.share, each.regime) for each in found)
 
 
 @dataclass(frozen=True, eq=False)

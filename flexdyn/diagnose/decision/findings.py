@@ -56,19 +56,18 @@ def reported_names(found: Corrected) -> list[Name]:
     otherwise such a number may imitate an effect that has none. They must be beyond it also beside small amounts of
     every law, as structures are compared.
     """
-    own = [each for each in found.names if (n := found.candidates[each.candidate].number) is None or _beyond(found, n)]
+    here, numbers = found.hypothesis, [each.number for each in found.candidates]
+    own = [each for each in found.names if (n := numbers[each.candidate]) is None or here.is_beyond(n)]
     own = [each for each in own if not _is_within_a_sample(found, found.effect(each.candidate))]
-    named = {each.candidate for each in found.names}
-    unnamed = {c for c in found.genuine if c not in named and found.candidates[c].number is None}
+    unnamed = {c for c in found.genuine if c not in found.named and numbers[c] is None}
     if not found.explained or unnamed or found.fitted.block:  # fits to windows displace numbers
         return own
     std = found.fitted.factor_std()
-    for c, candidate in enumerate(found.candidates):
-        number = candidate.number
-        if number is None or c in named:
+    for c, number in enumerate(numbers):
+        if number is None or c in found.named:
             continue
         least = least_deviation(found.space.log_odds(c))
-        deviation = _beyond_by(number, found.hypothesis.factors[number], std[number])
+        deviation = _beyond_by(number, here.factors[number], std[number])
         if deviation >= least:
             compared = factor_of(found.space, found.masses.structures[0], number)
             deviation = min(deviation, _beyond_by(number, *compared))
@@ -87,11 +86,6 @@ def lags_within_a_sample(found: Corrected) -> list[SensorEffect]:
 def _is_within_a_sample(found: Corrected, effect: Effect | None) -> bool:
     late_torque = isinstance(effect, SensorEffect) and effect.signal == "tau" and effect.lateness > 0.0
     return effect is not None and late_torque and effect.lateness <= found.fitted.equations.data[0].dt
-
-
-def _beyond(found: Corrected, number: FileNumber) -> bool:
-    """Whether a number is out of its tolerance."""
-    return abs(found.hypothesis.factors[number] - 1.0) > IN_TOLERANCE * number.tolerance
 
 
 def _beyond_by(number: FileNumber, factor: float, std: float) -> float:

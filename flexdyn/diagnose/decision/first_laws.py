@@ -16,11 +16,14 @@ from flexdyn.arrays import Array
 from flexdyn.diagnose.constants import WORTHWHILE_GAIN
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.decision.unknown_laws import Choice, Unknown
+from flexdyn.diagnose.decision.unknown_stiffnesses import weighted_regression
 from flexdyn.diagnose.equations.columns import of_effect
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.inference.model_error import ModelError
+from flexdyn.diagnose.inference.weights import rows_of
 from flexdyn.effects import Effect, effect_from_dict, registered
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -118,8 +121,8 @@ class _Comparison:
         """The same with the weights of what these effects leave."""
         plain = self._made(chosen)
         left = plain.left[: len(self.y)].reshape(-1, len(self.size)) * self.size
-        shown = np.maximum((~self.space.whiten.mask).reshape(left.shape).sum(axis=0), 1)
-        return dataclasses.replace(self, size=np.maximum(np.sqrt((left**2).sum(axis=0) / shown), 1.0))
+        seen = rows_of(self.space.equations, self.space.whiten.mask)
+        return dataclasses.replace(self, size=ModelError.of(left, seen).scale)
 
     def left(self, *chosen: Choice) -> float:
         """Sum of squares."""
@@ -131,14 +134,10 @@ class _Comparison:
         return own.effect(self._made([own, *others]).values[first : first + len(own.free)])
 
     def _made(self, chosen: Sequence[Choice]) -> Regression:
-        row = np.tile(self.size, len(self.y) // len(self.size))
         y = self.y + sum((each.held for each in chosen), np.zeros_like(self.y))
         X = np.column_stack([self.X, *(each.rows for each in chosen), self.space.nuisance])
         free = sum(each.rows.shape[1] for each in chosen)
-        sigma = np.concatenate([self.sigma, np.full(free, math.inf), self.space.nuisance_sigma])
-        return Regression(
-            y / row, X / row[:, None], np.zeros(len(sigma)), sigma, self.space.rows, self.space.nuisance.shape[1]
-        )
+        return weighted_regression(self.space, y, X, np.append(self.sigma, np.full(free, math.inf)), self.size)
 
 
 def _of_every_motor(equations: Equations) -> list[Effect]:

@@ -25,30 +25,21 @@ from flexdyn.simulation.electrical import with_asked_torque
 
 @dataclass(frozen=True, eq=False)
 class Forces:
-    """White rows of the equations by the model as given, calibrated and corrected, and how far their forces are off.
+    """How far equations and forces are off by the model as given, calibrated and corrected.
 
     Attributes:
-        before: of the model as given, rows that are not masked [1].
-        calibrated: of the numbers alone.
-        after: of the corrected model.
+        gap: root mean square of the rows, in units of noise.
         errors: of the forces of all prescribed joints, root mean square, of the three models.
     """
 
-    before: Array
-    calibrated: Array
-    after: Array
-    errors: tuple[float, float, float]
+    gap: Gap
+    errors: tuple[float, ...]
 
     @classmethod
     def of(cls, rows: ModelRows) -> Forces:
         """Of the equations of the three models."""
-        (before, calibrated, after), off = (rows.white(at)[rows.seen] for at in rows.models), errors_of(rows.models)
-        return cls(before, calibrated, after, (off[0], off[1], off[2]))
-
-    @property
-    def gap(self) -> Gap:
-        """Root mean square of the rows, in units of noise."""
-        return Gap(rms(self.before), rms(self.calibrated), rms(self.after), 1.0)
+        before, calibrated, after = map(rows.size, rows.models)
+        return cls(Gap(before, calibrated, after, 1.0), errors_of(rows.models))
 
     @property
     def closer(self) -> bool:
@@ -57,7 +48,8 @@ class Forces:
 
     def alone(self) -> Forces:
         """The same where the corrected model is the calibrated one."""
-        return replace(self, after=self.calibrated, errors=(*self.errors[:2], self.errors[1]))
+        gap = replace(self.gap, after=self.gap.calibrated)
+        return Forces(gap, (*self.errors[:2], self.errors[1]))
 
 
 def are_prescribed(parts: Sequence[DataPart]) -> bool:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from flexdyn.diagnose.decision.corrected import Corrected
-from flexdyn.diagnose.decision.model_rows import ModelRows, rms
+from flexdyn.diagnose.decision.model_rows import ModelRows
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.report.measures import Shares
 
@@ -24,10 +24,10 @@ def gains(rows: ModelRows, found: Corrected, named: Sequence[Name]) -> dict[int,
         found: the corrected model.
         named: the names that are reported.
     """
-    _, before, after = (rms(rows.white(at)[rows.seen]) for at in rows.models)
+    _, before, after = map(rows.size, rows.models)
     whole = max(before - min(after, 1.0), 1e-9)
     without = {c: rows.of_hypothesis(found.without(c)) for c in (each.candidate for each in named)}
-    gain = {c: (rms(rows.white(at)[rows.seen]) - after) / whole for c, at in without.items()}
+    gain = {c: (rows.size(at) - after) / whole for c, at in without.items()}
     return {c: min(1.0, each) if math.isfinite(before - after) else math.nan for c, each in gain.items()}
 
 

@@ -78,25 +78,18 @@ def _quantities_of_laws(at: Equations, k: int) -> list[tuple[str, Array]]:
     j, side = at.kinds[k]
     names, robot = at.true.joint_names, at.true.robot
     link = side in (LINK, SENSOR, TRANSMISSION)
-    places = [at.filters.instants(len(along.t)) for along in at.motions]
-
-    def column(signal: str, i: int) -> Array:
-        pairs = zip(at.motions, places, strict=True)
-        return np.concatenate([np.asarray(getattr(along, signal))[rows, i] for along, rows in pairs])
-
     angle = robot.angle_unit(names[j])
     own = (("v", "/s"), ("q", ""), ("a", "/s^2")) if link else (("omega", "/s"), ("theta", ""), ("alpha", "/s^2"))
-    found = [(f"{signal} [{angle}{per}]", column(signal, j)) for signal, per in own]
+    found = [(f"{signal} [{angle}{per}]", at.at_rows(signal)[:, j]) for signal, per in own]
     if at.true.elastic[j]:
-        found.append((f"theta-q [{angle}]", column("delta", j)))
-    found.append((f"torque [{robot.torque_unit(names[j])}]", column("tau", j)))
+        found.append((f"theta-q [{angle}]", at.at_rows("delta")[:, j]))
+    found.append((f"torque [{robot.torque_unit(names[j])}]", at.at_rows("tau")[:, j]))
     for i, other in enumerate(names):
         if i != j:
             unit = robot.angle_unit(other)
-            found.append((f"v of {other} [{unit}/s]", column("v", i)))
-            found.append((f"q of {other} [{unit}]", column("q", i)))
-    times = [along.t[rows] for along, rows in zip(at.motions, places, strict=True)]
-    return [*found, ("t [s]", np.concatenate(times))]
+            found.append((f"v of {other} [{unit}/s]", at.at_rows("v")[:, i]))
+            found.append((f"q of {other} [{unit}]", at.at_rows("q")[:, i]))
+    return [*found, ("t [s]", at.at_rows("t"))]
 
 
 def _share(x: Array, y: Array) -> float:

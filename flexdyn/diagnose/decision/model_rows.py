@@ -14,9 +14,9 @@ from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener, whitene
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, TOTAL
 from flexdyn.diagnose.equations.mask import sign_mask
-from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.workspace import recorded_noise
+from flexdyn.diagnose.inference.weights import quieter
 from flexdyn.errors import InputError
 from flexdyn.records.signals.decimate import CLOCK_JITTER
 
@@ -61,6 +61,10 @@ class ModelRows:
         """White rows of a model (rows of an equation, equations)."""
         return self.whiten(at.residual).reshape(self.seen.shape)
 
+    def size(self, at: Equations) -> float:
+        """Root mean square of a model's white rows that are not masked [1]."""
+        return rms(self.white(at)[self.seen])
+
     def of_hypothesis(self, hypothesis: Hypothesis) -> Equations:
         """Equations of another model over the same data."""
         return self.given.of(hypothesis.seen())
@@ -71,15 +75,14 @@ class ModelRows:
         Of an elastic joint with both encoders it is the sum of the motor's equation and the link's: the spring's torque
         stands in both and drops out. Masked rows are left out.
         """
-        left, at = [summed(each, j) for each in self.models], self.after
+        left = [summed(each, j) for each in self.models]
         clear = self.seen[:, left[0][1]].all(axis=1)
-        recorded = [along.tau[at.filters.instants(len(along.t)), j] for along in at.motions]
-        return [off[clear] for off, _ in left], np.concatenate(recorded)[clear]
+        return [off[clear] for off, _ in left], self.after.at_rows("tau")[clear, j]
 
 
 def summed(at: Equations, j: int) -> tuple[Array, list[int]]:
     """Torque of a joint that its equations leave (rows,), recorded less needed, and which equations these are."""
-    own = [k for k, (i, kind) in enumerate(at.kinds) if i == j and kind in (MOTOR, LINK, TOTAL)]
+    own = at.places(j, MOTOR, LINK, TOTAL)
     rows = at.residual.reshape(-1, len(at.kinds))
     units = {LINK: at.softness[j] / at.gains[j]}
     return np.asarray(sum(rows[:, k] * units.get(at.kinds[k][1], 1.0) for k in own)), own
@@ -108,8 +111,7 @@ def rows_of_models(
     between, after = (given.of(each.seen()) for each in (calibrated, corrected))
     recorded = recorded_noise(data)
     mask = _mask(given, after, recorded)
-    left = torque_noise(after, after.residual, mask, recorded)
-    noise = dataclasses.replace(recorded, tau=np.maximum(np.minimum(left, recorded.tau), 1e-12))
+    noise = quieter(recorded, after, mask)
     return ModelRows((given, between, after), noise, whitener(after, noise, mask))
 
 

@@ -7,12 +7,11 @@ import math
 
 from flexdyn.diagnose.constants import OCCAM_WINDOW
 from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
-from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.odds_by_fits import carried_on, fit_if_likely, log_posterior
 from flexdyn.diagnose.inference.passes import Posterior
-from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.diagnose.inference.space import Structure
 
 
 def needed_in_fits(found: Posterior) -> Posterior:
@@ -35,7 +34,8 @@ def needed_in_fits(found: Posterior) -> Posterior:
         values: dict[tuple[int, int], float] = {}
         least, rest = doubtful[0], None
         for each in doubtful:  # one fit at a time is kept: they are large
-            values[each], other = _without_candidate(space, best, each, made, here)
+            start = _hypothesis_without(made.hypothesis, space.candidates[each[0]])
+            values[each], other = fit_if_likely(space, best - {each}, start, made, here - OCCAM_WINDOW)
             if values[each] >= values[least] and other is not None:
                 least, rest = each, other
         odds += [(best - {each}, whole, math.exp(min(0.0, value - here))) for each, value in values.items()]
@@ -44,14 +44,6 @@ def needed_in_fits(found: Posterior) -> Posterior:
         best, made = best - {least}, rest
         doubtful = [each for each in doubtful if each != least and values[each] > here - OCCAM_WINDOW]
     return dataclasses.replace(found, best=best, fitted=made, by_fits=tuple(odds))
-
-
-def _without_candidate(
-    space: Space, best: Structure, each: tuple[int, int], made: Fit, here: float
-) -> tuple[float, Fit | None]:
-    """Log posterior of a structure without one of its candidates, and its fit; it begins at that of the whole one."""
-    start = _hypothesis_without(made.hypothesis, space.candidates[each[0]])
-    return fit_if_likely(space, best - {each}, start, made, here - OCCAM_WINDOW)
 
 
 def _hypothesis_without(here: Hypothesis, candidate: Candidate) -> Hypothesis:

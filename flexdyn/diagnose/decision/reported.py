@@ -24,24 +24,19 @@ def reported(compared: Posterior, plain: Workspace) -> tuple[Posterior, Correcte
     compared = rivals_in_fits(needed_in_fits(compared))
     shares = functools.partial(share_in_forces, compared) if plain.equations.replayed.any() else None
     found = corrected(compared, plain, shares)
-    other = in_one_law(by_plainer_laws(compared, found.genuine), _named_candidates(found))
+    other = in_one_law(by_plainer_laws(compared, found.genuine), found.named)
     again = found if other is compared else corrected(other, plain, shares)
     new = {c for c, _ in other.best} - {c for c, _ in compared.best}
     # Only if what was put in place has a name, and nothing else loses its own.
-    still = _named_candidates(found) & {c for c, _ in other.best}
-    if not new or (new & _named_candidates(again) and still <= _named_candidates(again)):
+    still = found.named & {c for c, _ in other.best}
+    if not new or (new & again.named and still <= again.named):
         compared, found = other, again
     other = _without_imitations(compared, found)
     if other is not compared:
         again = corrected(other, plain, shares)
-        if _named_candidates(again) > _named_candidates(found):
+        if again.named > found.named:
             return other, again
     return compared, found
-
-
-def _named_candidates(found: Corrected) -> set[int]:
-    """Candidates that have names."""
-    return {each.candidate for each in found.names}
 
 
 def _without_imitations(compared: Posterior, found: Corrected) -> Posterior:
@@ -51,7 +46,7 @@ def _without_imitations(compared: Posterior, found: Corrected) -> Posterior:
     drag in the place of the viscous friction that every motor has. A law that is in all structures stays: whatever it
     imitates is there, and would be left over for others to imitate.
     """
-    doubtful = {c for c, genuine in found.genuine.items() if genuine < LIKELY_IMITATION} - _named_candidates(found)
+    doubtful = {c for c, genuine in found.genuine.items() if genuine < LIKELY_IMITATION} - found.named
     uncertain = {c for c in doubtful if found.masses.of_any([c]) < ESTABLISHED}
     laws = {c for c in uncertain if compared.space.candidates[c].number is None}
     return with_best(compared, frozenset(each for each in compared.best if each[0] not in laws))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -25,15 +25,13 @@ from flexdyn.records import Recording, RecordingWarning
 from flexdyn.records.signals.cut import samples_between
 
 SHORTEST_TEST_DATA = 1.0
-"""Least length of such test data [s]: two windows of 0.5 s."""
+"""Least length of such test data, of a block, and of a piece between blocks [s]: two windows of 0.5 s."""
 FEWEST_TEST_SAMPLES = 100
 """Least number of samples of such test data: at a slow clock the two filters take 20 at either end."""
 SHORTEST_CUT_RECORDING = 2.5
 """Shorter recordings are not cut, because the rest would be too short to fit [s]."""
 MOVING_TIME = 0.2
 """Time over which a joint must change its position to count as moving [s]."""
-SHORTEST_BLOCK = 1.0
-"""Least length of a block, and of a piece between blocks [s]: two windows of 0.5 s."""
 Block = tuple[float, float]
 Recordings = tuple[Recording, ...]
 
@@ -88,33 +86,28 @@ def parts(model: FlexibleJointModel, fit: Sequence[Recording], check: Sequence[R
     Raises:
         InputError: a recording that does not fit the model.
     """
-    whole = [(each, measured(model, each)) for each in fit]
+    whole = tuple(DataPart(each, measured(model, each), "fit") for each in fit)
     if check:
-        tests = tuple(DataPart(each, measured(model, each), "test") for each in check)
-        return tuple(DataPart(*each, "fit") for each in whole), tests
+        return whole, tuple(DataPart(each, measured(model, each), "test") for each in check)
     kept = _kept_apart(whole)
-    if kept[0] and moves_long_enough([each.data for each in kept[0]]):
-        return kept
-    return tuple(DataPart(*each, "fit") for each in whole), ()
+    return kept if kept[0] and moves_long_enough([each.data for each in kept[0]]) else (whole, ())
 
 
-def _kept_apart(whole: Sequence[tuple[Recording, Measured]]) -> Parts:
+def _kept_apart(whole: tuple[DataPart, ...]) -> Parts:
     """What would be fitted, and test data; nothing to fit where a lone recording is too short to be cut."""
-    if any(data.t[-1] < SHORTEST_CUT_RECORDING for _, data in whole):
+    if any(each.data.t[-1] < SHORTEST_CUT_RECORDING for each in whole):
         return _apart(whole)
-    halves = [_halves(*each) for each in whole]
+    halves = [_halves(each.recording, each.data) for each in whole]
     return tuple(first for first, _ in halves), tuple(last for _, last in halves)
 
 
-def _apart(whole: Sequence[tuple[Recording, Measured]]) -> Parts:
+def _apart(whole: tuple[DataPart, ...]) -> Parts:
     """Recordings too short to be cut: the last ones are test data as they are, until these hold the test share."""
-    seconds = [float(moving(data).sum()) * data.dt for _, data in whole]
+    seconds = [float(moving(each.data).sum()) * each.data.dt for each in whole]
     first = len(whole) - 1
     while first > 1 and sum(seconds[first:]) < TEST_SHARE * sum(seconds):
         first -= 1
-    return tuple(DataPart(*each, "fit") for each in whole[:first]), tuple(
-        DataPart(*each, "test") for each in whole[first:]
-    )
+    return whole[:first], tuple(replace(each, role="test") for each in whole[first:])
 
 
 def _halves(recording: Recording, data: Measured) -> tuple[DataPart, DataPart]:
@@ -144,7 +137,7 @@ def moving(data: Measured) -> Flags:
     for signal, there in (("q", data.has_q), ("theta", data.has_theta)):
         sigma = encoder_noise((data,), signal)
         for j in np.flatnonzero(there):
-            x = data.channel(signal)[:, j]
+            x = getattr(data, signal)[:, j]
             moves |= maximum_filter1d(x, width) - minimum_filter1d(x, width) > REST_SIGMAS * sigma[j]
     return moves
 
@@ -163,9 +156,9 @@ def checked_blocks(given: Any) -> tuple[Block, ...]:
         ends = [as_number(end) for end in entry] if isinstance(entry, Sequence) and not isinstance(entry, str) else []
         if len(ends) != 2 or not all(map(math.isfinite, ends)):
             raise InputError("a block is a first and a last time", key="hold_out", value=entry, remedy=remedy)
-        if ends[1] - ends[0] < SHORTEST_BLOCK:
+        if ends[1] - ends[0] < SHORTEST_TEST_DATA:
             problem = f"a block of {ends[1] - ends[0]:.4g} s is too short for a test"
-            raise InputError(problem, key="hold_out", value=entry, remedy=f"give {SHORTEST_BLOCK:g} s or more")
+            raise InputError(problem, key="hold_out", value=entry, remedy=f"give {SHORTEST_TEST_DATA:g} s or more")
         found.append((ends[0], ends[1]))
     return tuple(found)
 
@@ -193,7 +186,7 @@ def without_blocks(recordings: Sequence[Recording], blocks: Sequence[Block]) -> 
         edges = [0, *(np.flatnonzero(np.diff(which)) + 1).tolist(), len(rec)]
         for low, high in pairwise(edges):
             k, length = int(which[low]), float(rec.t[high - 1] - rec.t[low])
-            if length < SHORTEST_BLOCK - 2.0 * rec.duration / len(rec):
+            if length < SHORTEST_TEST_DATA - 2.0 * rec.duration / len(rec):
                 if k < 0:
                     problem = f"{length:.3g} s from t = {rec.t[low]:.6g} s on are too short to fit"
                     warnings.warn(f"{rec.name}: {problem} and left out", RecordingWarning, stacklevel=4)
@@ -203,7 +196,7 @@ def without_blocks(recordings: Sequence[Recording], blocks: Sequence[Block]) -> 
     for k, block in enumerate(blocks):
         if k not in met:
             spans = "; ".join(f"{rec.name or 'a recording'} {rec.t[0]:.6g} to {rec.t[-1]:.6g} s" for rec in recordings)
-            problem = f"no recording has {SHORTEST_BLOCK:g} s in this block"
+            problem = f"no recording has {SHORTEST_TEST_DATA:g} s in this block"
             raise InputError(
                 problem, key="hold_out", value=f"{block[0]:g} to {block[1]:g} s", remedy=f"there are {spans}"
             )

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flexdyn.arrays import Array
 from flexdyn.diagnose.constants import SHOWN_DEFLECTION
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.decision.unknown_laws import without_unknown
@@ -16,6 +17,8 @@ from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
 from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.inference.model_error import ModelError
+from flexdyn.diagnose.inference.weights import rows_of
 from flexdyn.diagnose.report.digits import value_text
 from flexdyn.diagnose.report.suspects import CONFIDENCE
 from flexdyn.effects import JointEffect
@@ -88,23 +91,24 @@ def _compliances(
     sigma = [max(number.tolerance, 1e-9) for number in start.factors] + [math.inf] * len(seen)
     y, kinds = space.whiten(bare.equations.residual), bare.equations.kinds
     X = np.column_stack([space.numbers, slopes, space.nuisance])
-    shown = np.maximum((~space.whiten.mask).reshape(-1, len(kinds)).sum(axis=0), 1)
-    size = np.ones(len(kinds))
+    told, size = rows_of(bare.equations, space.whiten.mask), np.ones(len(kinds))
     for _ in range(WEIGHTINGS):
-        made = _regression(space, y, X, np.array(sigma), size)
-        left = (y + X @ made.values).reshape(-1, len(kinds))
-        size = np.maximum(np.sqrt((left**2).sum(axis=0) / shown), 1.0)
+        made = weighted_regression(space, y, X, np.array(sigma), size)
+        size = ModelError.of(y + X @ made.values, told).scale
     spread = np.sqrt(np.diag(made.covariance))
     found = {}
     for k, (name, j) in enumerate(zip(seen, at, strict=True)):
         place, row = len(start.factors) + k, kinds.index((j, TRANSMISSION))
         done = float(made.values[place]) * slopes[:, k].reshape(-1, len(kinds))[:, row]
-        found[name] = float(made.values[place]), float(spread[place]), float(done @ done) / float(shown[row])
+        found[name] = float(made.values[place]), float(spread[place]), float(done @ done) / float(told.count[row])
     return found
 
 
-def _regression(space: Workspace, y: np.ndarray, X: np.ndarray, sigma: np.ndarray, size: np.ndarray) -> Regression:
-    """The least-squares problem with rows whose equations leave so many times the noise (equations,)."""
+def weighted_regression(space: Workspace, y: Array, X: Array, sigma: Array, size: Array) -> Regression:
+    """Least squares of white rows whose equations leave so many times their noise (equations,).
+
+    The last columns are the nuisances; `sigma` has the priors' standard deviations of the others.
+    """
     row = np.tile(size, len(y) // len(size))
     sigma = np.concatenate([sigma, space.nuisance_sigma])
     return Regression(y / row, X / row[:, None], np.zeros(len(sigma)), sigma, space.rows, space.nuisance.shape[1])

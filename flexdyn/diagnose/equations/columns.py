@@ -6,10 +6,11 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.compliance import of_compliance
+from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.sensor_columns import of_sensor
-from flexdyn.diagnose.equations.terms import adds_up, applied_torque, of_joint, own_torque, spreads
+from flexdyn.diagnose.equations.terms import applied_torque, own_torque, spreads
 from flexdyn.diagnose.lazy import kept
 from flexdyn.effects import Effect, JointEffect, SensorEffect
 from flexdyn.errors import InputError
@@ -24,7 +25,7 @@ ENLARGEMENTS, LARGEST_ENLARGEMENT = 8, 1e4
 
 def stands_alone(equations: Equations, effect: JointEffect) -> bool:
     """Whether an effect's torque enters the equations directly and changes no other torque."""
-    if not adds_up(effect):
+    if effect.takes_load or effect.stage not in ("friction", "dry", "link") or effect.side not in ("motor", "link"):
         return False
     j = equations.true.index(effect.joint)
     if equations.replayed[j] and effect.side != "motor":
@@ -34,8 +35,7 @@ def stands_alone(equations: Equations, effect: JointEffect) -> bool:
 
 def is_loaded(equations: Equations, j: int) -> bool:
     """Whether a joint has friction that depends on its transmission torque."""
-    true = equations.true
-    return any(isinstance(e, JointEffect) and e.takes_load and true.index(e.joint) == j for e in true.all_effects)
+    return any(effect.takes_load for effect in acting_on(equations.true, j))
 
 
 def moves_links(equations: Equations, effect: Effect) -> bool:
@@ -100,23 +100,24 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
     if effect.makes_elastic:  # to first order
         return of_compliance(equations, j) / (float(getattr(effect, effect.makes_elastic)) * scale)
     if effect.scales_torque:
-        return (
-            equations.of_torque(j, lambda along: ("motor", effect.torque_gain * _motor_torque(equations, along, j)))
-            / scale
-        )
+
+        def gained(along: SmoothedMotion) -> tuple[str, Array]:
+            return "motor", effect.torque_gain * (equations.needed(along, j) - equations.lost(along, j))
+
+        return equations.of_torque(j, gained) / scale
     if stands_alone(equations, effect):
         return equations.of_torque(j, lambda along: own_torque(effect, true, along)) / scale
     if effect.stage == "actuator":
-        return equations.of_torque(j, lambda along: ("motor", _on_its_way(true, effect, along, j))) / scale
+        return equations.of_torque(j, lambda along: ("motor", on_its_way(true, effect, along, j))) / scale
     if effect.side == "transmission" and true.elastic[j] and not is_loaded(equations, j):
         return equations.of_spring(j, effect) / scale
     with_it = equations.of_joint(j, true, [*true.all_effects, effect])
     return (with_it - equations.own(j)) / scale
 
 
-def _on_its_way(true: FlexibleJointModel, effect: JointEffect, along: SmoothedMotion, j: int) -> Array:
-    """What an effect does to the recorded torque on its way to the rotor (samples,)."""
-    acting = of_joint(true.all_effects, effect.joint)
+def on_its_way(true: FlexibleJointModel, effect: JointEffect, along: SmoothedMotion, j: int) -> Array:
+    """What an effect does to a motion's torque on its way to the rotor (samples,)."""
+    acting = acting_on(true, j)
     return applied_torque([*acting, effect], along, j) - applied_torque(acting, along, j)
 
 
@@ -144,11 +145,6 @@ def of_parameter(equations: Equations, effect: Effect, name: str, step: float) -
         return of_change(equations, effect, moved) / step
     j, effects = true.index(effect.joint), [moved if e == effect else e for e in true.all_effects]
     return (equations.of_joint(j, true, effects) - equations.own(j)) / step
-
-
-def _motor_torque(equations: Equations, along: SmoothedMotion, j: int) -> Array:
-    """Torque (samples,) that a motor must give according to the model, in the scale of the recorded torque."""
-    return equations.needed(along, j) - equations.lost(along, j)
 
 
 def on_joint(effect: Effect) -> JointEffect:

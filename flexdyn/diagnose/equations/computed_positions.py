@@ -76,7 +76,8 @@ def computed_positions(
     return smooth_q, smooth_theta
 
 
-def _acting(model: FlexibleJointModel, j: int) -> list[JointEffect]:
+def acting_on(model: FlexibleJointModel, j: int) -> list[JointEffect]:
+    """Effects with a law along the motion that act on a joint."""
     return [e for e in model.all_effects if isinstance(e, JointEffect) and e.joint == model.joint_names[j]]
 
 
@@ -86,7 +87,7 @@ def _carried(model: FlexibleJointModel, j: int, given: Array, theta: Array, omeg
     Such friction is proportional to the load, with one share for each direction of power. So ``carried = given/(1 +
     share)``. Of a gear that nearly locks itself, the motor's torque tells no load: it is left as it is.
     """
-    loaded = [each for each in _acting(model, j) if each.takes_load and each.side == "motor"]
+    loaded = [each for each in acting_on(model, j) if each.takes_load and each.side == "motor"]
     lost = sum((torque_of(each, theta, omega, t=t, tau=given) for each in loaded), np.zeros_like(given))
     kept = 1.0 + np.divide(lost, given, out=np.zeros_like(given), where=given != 0.0)
     return np.where(kept > LEAST_TRANSMITTED, given / np.maximum(kept, LEAST_TRANSMITTED), given)
@@ -99,7 +100,7 @@ def _wound_by_torque(model: FlexibleJointModel, j: int, carried: Array) -> Array
         torque, slope = _spring(model, j, seen)
         seen = seen + (carried - torque) / slope
     # The inverse of `deflection_after` in laws.hpp.
-    gap = sum(effect.gap for effect in _acting(model, j) if isinstance(effect, DeflectionEffect))
+    gap = sum(effect.gap for effect in acting_on(model, j) if isinstance(effect, DeflectionEffect))
     return np.asarray(seen + gap * np.sign(carried))
 
 
@@ -110,7 +111,7 @@ def steepness(model: FlexibleJointModel, j: int, seen: Array) -> Array:
 
 def _springs(model: FlexibleJointModel, j: int) -> list[JointEffect]:
     """Laws in addition to the linear spring that make it another one."""
-    return [effect for effect in _acting(model, j) if effect.bends_spring and effect.stage == "spring"]
+    return [effect for effect in acting_on(model, j) if effect.bends_spring and effect.stage == "spring"]
 
 
 def _spring(model: FlexibleJointModel, j: int, seen: Array) -> tuple[Array, Array]:
@@ -133,5 +134,5 @@ def _more(springs: list[JointEffect], seen: Array) -> Array:
 
 def friction_of(model: FlexibleJointModel, j: int, side: str, x: Array, u: Array, t: Array) -> Array:
     """Friction torque (samples,) on one side of a joint."""
-    known = [e for e in _acting(model, j) if e.side == side and e.of_velocity]
+    known = [e for e in acting_on(model, j) if e.side == side and e.of_velocity]
     return np.asarray(sum((torque_of(e, x, u, t=t, tau=np.zeros_like(x)) for e in known), np.zeros_like(x)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from flexdyn import _core
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.hidden_links import hidden_links_error, noise_of_vibration
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION
 from flexdyn.diagnose.equations.motion import SmoothedMotion
-from flexdyn.diagnose.equations.terms import of_joint, torque_slope
+from flexdyn.diagnose.equations.terms import torque_slope
 from flexdyn.diagnose.lazy import last
 
 Coefficient = float | Array
@@ -36,6 +37,11 @@ class SampleNoise:
     theta: Array
     tau: Array
     tau_s: Array
+
+    def of_channels(self, channels: Sequence[str], joints: Sequence[str]) -> Array:
+        """Of channels such as ``q.elbow`` (channels,); `joints` are the model's, in order."""
+        places = (name.partition(".") for name in channels)
+        return np.array([getattr(self, signal)[joints.index(joint)] for signal, _, joint in places])
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,14 +90,14 @@ def whitener(equations: Equations, noise: SampleNoise, mask: Flags, extra: Array
     from scipy.linalg import cholesky_banded
 
     kernels, many = kernels_of(equations), len(equations.kinds)
-    counts = [equations.filters.count(len(along.t)) for along in equations.motions]
+    counts = equations.counts
     lags = min(len(_correlations(equations.filters, _twice(equations))["tau"]), max(counts))
     band = np.zeros((many * sum(counts), many * lags))  # (row b, d): covariance of the rows b + d and b
     parts = np.split(band, many * np.cumsum(counts)[:-1])
     for along, part in zip(equations.motions, parts, strict=True):
         _add_noise(equations, along, noise, part, lags)
     own = band[:, 0]
-    own += hidden_links_error(equations, noise.theta, kernels["position"][0])
+    own += hidden_links_error(equations, noise.theta, kernels["theta"][0])
     if extra is not None:
         own += extra
     own[:] = np.where(mask, own + MASKED * np.median(own), own * (1.0 + 1e-9))
@@ -102,7 +108,7 @@ def whitener(equations: Equations, noise: SampleNoise, mask: Flags, extra: Array
 
 
 def kernels_of(equations: Equations) -> dict[str, list[Array]]:
-    """Whole kernels from a channel's noise to a row, by order of the derivative: of positions, and of torques."""
+    """Whole kernels from a channel's noise to a row, by its signal and the order of the derivative."""
     return _kernels(equations.filters, _twice(equations))
 
 
@@ -120,7 +126,7 @@ def _kernels(filters: Filters, twice: bool) -> dict[str, list[Array]]:
         whole += [np.convolve(np.convolve(second, once), first[2]) for once in first[1:]]
         whole.append(np.convolve(np.convolve(filters.second.taps[2], first[1]), first[2]))
     held = [np.convolve(kernel, [0.5, 0.5]) for kernel in whole]
-    return {"position": whole, "tau": held, "tau_s": whole[:1]}
+    return {"q": whole, "theta": whole, "tau": held, "tau_s": whole[:1]}
 
 
 def coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, dict[int, Terms]]:
@@ -146,7 +152,7 @@ def passed_torque(equations: Equations, along: SmoothedMotion, j: int) -> Coeffi
 
     Root mean square over a row's filter; without limits the motor's gain.
     """
-    slope = torque_slope(of_joint(equations.true.all_effects, equations.true.joint_names[j]), along, j)
+    slope = torque_slope(acting_on(equations.true, j), along, j)
     if slope is None:
         return float(equations.gains[j])
     return np.sqrt(np.maximum(equations.filters.rows(slope**2), 0.0))
@@ -210,7 +216,7 @@ def _add_noise(equations: Equations, along: SmoothedMotion, noise: SampleNoise, 
         for row, value in found[channel][order].items():
             table[:, k, row] = value
         signal, j = channel
-        R = correlations["position" if signal in ("q", "theta") else signal]
+        R = correlations[signal]
         for m, (other, at) in enumerate(terms):
             if other == channel:
                 weights[:, k, m] = getattr(noise, signal)[j] ** 2 * R[:lags, order, at]
@@ -219,13 +225,15 @@ def _add_noise(equations: Equations, along: SmoothedMotion, noise: SampleNoise, 
 
 @lru_cache(maxsize=16)
 def _correlations(filters: Filters, twice: bool) -> dict[str, Array]:
-    """R between the kernels of each group (lags, orders, orders)."""
-    groups = _kernels(filters, twice)
-    shifts = range(0, max(len(kernel) for group in groups.values() for kernel in group), filters.every)
-    return {
-        name: np.array([[[_correlation(a, b, shift) for b in group] for a in group] for shift in shifts])
-        for name, group in groups.items()
+    """R between the kernels of each signal (lags, orders, orders)."""
+    kernels = _kernels(filters, twice)
+    shifts = range(0, max(len(kernel) for own in kernels.values() for kernel in own), filters.every)
+    found = {
+        signal: np.array([[[_correlation(a, b, shift) for b in own] for a in own] for shift in shifts])
+        for signal, own in kernels.items()
+        if signal != "theta"
     }
+    return {**found, "theta": found["q"]}
 
 
 def _correlation(a: Array, b: Array, shift: int) -> float:
@@ -267,19 +275,19 @@ def variances(
     for (signal, i), orders in coefficients(equations, along).items():
         mine = signal == "tau" and i == j
         variance = 1.0 if mine else float(getattr(noise, signal)[i]) ** 2
-        group = kernels["position" if signal in ("q", "theta") else signal]
+        own = kernels[signal]
         for o, later in orders.items():
             for p, now in orders.items():
                 products = np.broadcast_to(later.get(row, 0.0) * now.get(row, 0.0), free.shape)
                 size = float(np.median(products[free])) * variance
-                R = sum(w * _correlation(group[o], group[p], lag * every) for lag, w in weights.items())
+                R = sum(w * _correlation(own[o], own[p], lag * every) for lag, w in weights.items())
                 totals[mine] += size * R
     return totals[0], totals[1]
 
 
 def vibration_rules(equations: Equations, noise: SampleNoise) -> bool:
     """Whether encoder noise that makes simulated links vibrate is more of some row's noise than all other noise."""
-    extra = noise_of_vibration(equations, noise.theta, kernels_of(equations)["position"][0])
+    extra = noise_of_vibration(equations, noise.theta, kernels_of(equations)["theta"][0])
     for place, (j, _) in enumerate(equations.kinds):
         others, unit = variances(equations, noise, place, j, second=False)
         if extra[place] > others + unit * float(noise.tau[j]) ** 2:

@@ -13,11 +13,12 @@ from flexdyn.arrays import Array
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import true_channels
+from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.equations.layout import MOTOR, EquationLayout
 from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
 from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.equations.shared import SharedResults, same_links, same_signals
-from flexdyn.diagnose.equations.terms import joint_terms, of_joint, spring_torque
+from flexdyn.diagnose.equations.terms import joint_terms, spring_torque
 from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.diagnose.parallel import SILENT, in_parallel
 from flexdyn.diagnose.progress import check
@@ -98,6 +99,19 @@ class Equations(EquationLayout):
         check()
         left = self._rows(self._left)
         return left if self.error is None else left - self.error
+
+    @lazy
+    def counts(self) -> tuple[int, ...]:
+        """Rows of an equation in each recording."""
+        return tuple(self.filters.count(len(along.t)) for along in self.motions)
+
+    def by_recording(self, table: Array) -> list[Array]:
+        """Rows of an equation (rows of an equation, ...), recording by recording."""
+        return np.split(table, np.cumsum(self.counts)[:-1])
+
+    def at_rows(self, signal: str) -> Array:
+        """A signal of the motions at the rows of an equation: ``t`` (rows of an equation,), ``q`` (..., n)."""
+        return np.concatenate([getattr(each, signal)[self.filters.instants(len(each.t))] for each in self.motions])
 
     def of(self, model: FlexibleJointModel) -> Equations:
         """The same data with another model; the last ones are kept."""
@@ -186,7 +200,7 @@ class Equations(EquationLayout):
 
     def of_spring(self, j: int, effect: JointEffect) -> Array:
         """Change of the rows (rows,) by an effect more in a transmission whose torque nothing else depends on."""
-        acting = of_joint(self.true.all_effects, self.true.joint_names[j])
+        acting = acting_on(self.true, j)
 
         def terms(along: SmoothedMotion) -> Torques:
             wound = spring_torque(self.true, [*acting, effect], along, j) - self.spring(along, j)
@@ -198,7 +212,7 @@ class Equations(EquationLayout):
     @kept
     def spring(self, along: SmoothedMotion, j: int) -> Array:
         """The torque in a transmission on the link, and on the rotor (samples, 2)."""
-        return spring_torque(self.true, of_joint(self.true.all_effects, self.true.joint_names[j]), along, j)
+        return spring_torque(self.true, acting_on(self.true, j), along, j)
 
     def of_torque(self, j: int, torque: Callable[[SmoothedMotion], tuple[str, Array]]) -> Array:
         """The contribution of one torque on the motor or link side of a joint to the rows (rows,)."""

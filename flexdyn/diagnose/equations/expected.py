@@ -37,9 +37,7 @@ def expected_data(equations: Equations, noise: SampleNoise, whiten: Whitener, sc
     many = len(equations.kinds)
     white = whiten(equations.residual).reshape(-1, many) / scale**2
     weighted = whiten.back(white.ravel()).reshape(-1, many)
-    lengths = [equations.filters.count(len(along.t)) for along in equations.motions]
-    parts = np.split(weighted, np.cumsum(lengths)[:-1])
-    each = zip(equations.data, equations.motions, parts, strict=True)
+    each = zip(equations.data, equations.motions, equations.by_recording(weighted), strict=True)
     return tuple(_less_noise(equations, noise, *one) for one in each)
 
 
@@ -47,7 +45,7 @@ def _less_noise(
     equations: Equations, noise: SampleNoise, data: Measured, along: SmoothedMotion, rows: Array
 ) -> Measured:
     """One recording less S A^T of its weighted rows (times, equations)."""
-    columns: dict[str, Any] = {signal: data.channel(signal).copy() for signal in SIGNALS}
+    columns: dict[str, Any] = {signal: getattr(data, signal).copy() for signal in SIGNALS}
     at = along.lost + equations.filters.instants(len(along.t))
     sensors = by_channel(equations.model.effects)
     for channel, orders in coefficients(equations, along).items():
@@ -74,7 +72,7 @@ def onto_samples(
         at: samples to which the rows belong (times,).
         samples: of the channel.
     """
-    kernels = kernels_of(equations)["position" if channel[0] in ("q", "theta") else channel[0]]
+    kernels = kernels_of(equations)[channel[0]]
     total = np.zeros(samples)
     for order, terms in orders.items():
         sparse = np.zeros(samples)

@@ -22,8 +22,7 @@ def hidden_links_error(equations: Equations, theta: Array, taps: Array) -> Array
     """
     if not equations.simulated:
         return _error_of_rests(equations) ** 2
-    times = sum(equations.filters.count(len(along.t)) for along in equations.motions)
-    return np.tile(noise_of_vibration(equations, theta, taps), times)
+    return np.tile(noise_of_vibration(equations, theta, taps), sum(equations.counts))
 
 
 def _error_of_rests(equations: Equations) -> Array:
@@ -83,7 +82,7 @@ def of_first_states(equations: Equations) -> tuple[Array, Array]:
     """
     columns: list[Array] = []
     sigma: list[float] = []
-    ends = np.cumsum([equations.filters.count(len(along.t)) for along in equations.motions])
+    ends = np.cumsum(equations.counts)
     for along, end in zip(equations.motions if equations.simulated else (), ends.tolist(), strict=False):
         response, hidden = equations.response(along), np.flatnonzero(equations.unmeasured)
         for i, one in zip(hidden.tolist(), np.eye(len(hidden)), strict=True):

@@ -65,6 +65,10 @@ class EquationLayout:
                 kinds.append((j, SENSOR))
         return tuple(kinds)
 
+    def places(self, j: int, *kinds: str) -> list[int]:
+        """Equations of a joint that are of some kinds, by their places in `kinds`."""
+        return [k for k, (i, kind) in enumerate(self.kinds) if i == j and kind in kinds]
+
     @lazy
     def sensed(self) -> bool:
         """Whether a torque was measured in any transmission."""

@@ -67,19 +67,17 @@ def _regime(equations: Equations, place: int, power: Array, seen: Flags) -> str:
     j, kind = equations.kinds[place]
     blocks: list[Array] = []
     columns: list[list[Quantity]] = []
-    first = 0
-    for along in equations.motions:
+    parts = map(equations.by_recording, (power, seen.astype(float)))
+    for along, own, used in zip(equations.motions, *parts, strict=True):
         at = equations.filters.instants(len(along.t))
         width = max(1, round(POWER_BLOCK / (along.dt * equations.filters.every)))
-        used = seen[first : first + len(at)].astype(float)
-        blocks.append(_block_means(power[first : first + len(at)], used, width))
+        blocks.append(_block_means(own, used, width))
         columns.append(
             [
                 replace(e, values=_block_means(e.values[at], used, width))
                 for e in _quantities_of_rests(equations, along, j, kind)
             ]
         )
-        first += len(at)
     joined = [replace(same[0], values=np.concatenate([e.values for e in same])) for same in zip(*columns, strict=True)]
     return regime(np.concatenate(blocks), joined)
 
@@ -136,11 +134,8 @@ def traces(before: Equations, after: Equations, mask: Flags) -> tuple[ResidualTr
     many = len(before.kinds)
     shown, hidden = before.residual.reshape(-1, many), mask.reshape(-1, many)
     left = after.residual.reshape(-1, many)
-    places = [before.filters.instants(len(along.t)) for along in before.motions]
-    stacked = {
-        name: np.concatenate([getattr(along, name)[at] for along, at in zip(before.motions, places, strict=True)])
-        for name in ("q", "theta", "v", "omega")
-    }
+    stacked = {name: before.at_rows(name) for name in ("t", "q", "theta", "v", "omega")}
+    rows = before.counts[0]
     pictures = []
     for place, (j, kind) in enumerate(before.kinds):
         joint = before.true.joint_names[j]
@@ -152,11 +147,8 @@ def traces(before: Equations, after: Equations, mask: Flags) -> tuple[ResidualTr
         )
         link = kind in (LINK, SENSOR)
         clear = ~hidden[:, place]
-        rows = len(places[0])
         one, two = (np.where(clear, each[:, place], np.nan) for each in (shown, left))
-        pictures.append(
-            ResidualTrace.thinned(title, "t [s]", unit, before.motions[0].t[places[0]], one[:rows], two[:rows])
-        )
+        pictures.append(ResidualTrace.thinned(title, "t [s]", unit, stacked["t"][:rows], one[:rows], two[:rows]))
         for name, label in (("v" if link else "omega", f"{angle}/s"), ("q" if link else "theta", angle)):
             x = stacked[name][:, j]
             pictures.append(ResidualTrace.thinned(title, f"{name} [{label}]", unit, x[clear], one[clear], two[clear]))

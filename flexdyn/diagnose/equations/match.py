@@ -91,10 +91,9 @@ def _matched(asked: Array, needed: Array, friction: Array) -> tuple[float, float
 
 def _both(data: Measured) -> Measured:
     """Replace a missing position by that of the joint's other encoder: deflections are small."""
-    q = np.where(data.has_q, data.q, data.theta)
     theta = np.where(data.has_theta, data.theta, data.q)
     there = np.ones_like(data.has_q)
-    return replace(data, q=q, theta=theta, has_q=there, has_theta=there)
+    return replace(data, q=data.moved, theta=theta, has_q=there, has_theta=there)
 
 
 def _kernel(dt: float) -> GaussianSmoother:
@@ -111,7 +110,7 @@ def liveliest(data: Measured, seconds: float) -> Measured:
     rows, step = round(seconds / data.dt), max(1, round(0.5 / data.dt))
     if len(data.t) <= rows:
         return data
-    x = np.where(data.has_q, data.q, data.theta)
+    x = data.moved
     way = np.abs(x[step::step] - x[:-step:step])
     steps = np.concatenate([[0.0], np.cumsum((way / np.maximum(way.mean(axis=0), 1e-300)).sum(axis=1))])
     width = min(rows // step, len(steps) - 1)

@@ -185,7 +185,7 @@ def smoothed(
     where its motion is prescribed (`replayed`). The whole motion is then filtered once more.
     """
     shared = shared or SharedResults(1)
-    q = np.where(data.has_q, data.q, data.theta)
+    q = data.moved
     theta = np.where(data.has_theta, data.theta, q)
     tau = centred(data.tau)
     t, tau_s, lost, inner = data.t, data.tau_s, kernel.half, slice(kernel.half, -kernel.half)

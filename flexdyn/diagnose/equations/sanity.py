@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from flexdyn.arrays import Array
+from flexdyn.diagnose.constants import REST_SIGMAS
 from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.both_encoders import check_encoders
@@ -27,8 +28,6 @@ REMEDY = (
 )
 LEAST_RATE = 20.0
 """Smallest rate [Hz]: below it accelerations of an arm cannot be seen, and the clock is probably in ms."""
-MOVING_SIGMAS = 10.0
-"""A joint moves if the range of its positions exceeds this number of standard deviations of the encoder's noise [1]."""
 UNCHECKED = "Units and signs of the torques were not checked, as numbers of the model are not known."
 
 
@@ -88,7 +87,7 @@ def _check_motion(model: FlexibleJointModel, data: Sequence[Measured]) -> None:
     for j, (joint, signal) in enumerate(zip(model.joint_names, signals, strict=True)):
         sigma = float(noise[signal == "theta"][j])
         wide = max(_range_of_motion(getattr(each, signal)[:, j], each.dt) for each in data)
-        if wide <= MOVING_SIGMAS * sigma:
+        if wide <= REST_SIGMAS * sigma:
             remedy = f"move it, or lock it in the model (robot.lock: {{{joint}: ...}})"
             problem = "the joint does not move beyond its encoder's noise"
             value = f"a range of {wide:.2g} at a noise of {sigma:.2g}"
@@ -103,7 +102,7 @@ def _range_of_motion(x: Array, dt: float) -> float:
     """Range of a position (samples,), averaged over 20 ms to reduce noise."""
     width = min(max(1, round(0.02 / dt)), len(x))
     means = x[: len(x) // width * width].reshape(-1, width).mean(axis=1)
-    return float(means.max() - means.min())
+    return float(np.ptp(means))
 
 
 def moves_long_enough(data: Sequence[Measured]) -> bool:
@@ -119,18 +118,16 @@ def _positions(data: Sequence[Measured]) -> tuple[list[str], list[Array]]:
 
 def _moving_time(data: Sequence[Measured], signals: Sequence[str], noise: Sequence[Array]) -> float:
     """Time in which some joint of the recordings moves by more than its noise, in blocks of 0.1 s [s]."""
-    return sum(_moving_blocks(each, signals, noise) for each in data)
-
-
-def _moving_blocks(data: Measured, signals: Sequence[str], noise: Sequence[Array]) -> float:
-    width = max(1, round(0.1 / data.dt))
-    blocks = len(data.t) // width
-    moves = np.zeros(blocks, dtype=bool)
-    for j, signal in enumerate(signals):
-        x = getattr(data, signal)[: blocks * width, j].reshape(blocks, width)
-        spread = x.max(axis=1) - x.min(axis=1)
-        moves |= spread > MOVING_SIGMAS * float(noise[signal == "theta"][j])
-    return float(moves.sum()) * width * data.dt
+    seconds = 0.0
+    for each in data:
+        width = max(1, round(0.1 / each.dt))
+        blocks = len(each.t) // width
+        moves = np.zeros(blocks, dtype=bool)
+        for j, signal in enumerate(signals):
+            x = getattr(each, signal)[: blocks * width, j].reshape(blocks, width)
+            moves |= np.ptp(x, axis=1) > REST_SIGMAS * float(noise[signal == "theta"][j])
+        seconds += float(moves.sum()) * width * each.dt
+    return seconds
 
 
 def _passive(model: FlexibleJointModel, data: Sequence[Measured]) -> Iterator[str]:

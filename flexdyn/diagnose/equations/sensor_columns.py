@@ -9,10 +9,11 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import true_channel
+from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.equations.equations import Equations, Torques
 from flexdyn.diagnose.equations.held_torque import centred
 from flexdyn.diagnose.equations.motion import SmoothedMotion
-from flexdyn.diagnose.equations.terms import of_joint, spring_torque
+from flexdyn.diagnose.equations.terms import spring_torque
 from flexdyn.effects import SensorEffect
 from flexdyn.effects.channels import by_channel
 
@@ -33,10 +34,11 @@ def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect 
 
     def error(along: SmoothedMotion) -> Array:
         # The data of a motion are without the model's sensor effects: one of these is moved on the recorded channel.
-        seen, data = along.data.channel(signal)[:, j], recorded[id(along)]
+        seen: Array = getattr(along.data, signal)[:, j]
+        data = recorded[id(along)]
         if instead is None:
             return _true(effect, along.data, seen) - seen
-        return true_channel(has, data.channel(signal)[:, j], data) - seen
+        return true_channel(has, getattr(data, signal)[:, j], data) - seen
 
     def torques(along: SmoothedMotion) -> Torques:
         if signal == "tau":
@@ -64,7 +66,7 @@ def of_lag_shape(equations: Equations, effect: SensorEffect) -> Array:
     j = equations.true.index(effect.joint)
 
     def torques(along: SmoothedMotion) -> Torques:
-        ahead = centred(along.data.channel(effect.signal)[:, j])  # y(t + d): the data are without the model's lags
+        ahead = centred(getattr(along.data, effect.signal)[:, j])  # y(t + d): the data are without the model's lags
         return 0.5 * effect.lateness**2 * _smoothed(equations, along, ahead, 2), None, None
 
     return equations.of_terms(j, torques)
@@ -103,8 +105,7 @@ def _spring_change(
     for name, change in zip(names, (d0, d1), strict=True):
         changed[name] = getattr(along, name).copy()
         changed[name][:, j] += change
-    acting = of_joint(equations.true.all_effects, equations.true.joint_names[j])
-    moved = spring_torque(equations.true, acting, dataclasses.replace(along, **changed), j)
+    moved = spring_torque(equations.true, acting_on(equations.true, j), dataclasses.replace(along, **changed), j)
     link, motor = (moved - equations.spring(along, j)).T.copy()
     return link, motor
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,11 +17,6 @@ from flexdyn.robot.axes import joint_row
 
 SLOPE_STEP = 1e-6
 """Step of the differences of a torque, as a share of its largest value [1]."""
-
-
-def of_joint(effects: Iterable[Effect], joint: str) -> list[JointEffect]:
-    """Effects with a law along the motion that act on a joint."""
-    return [e for e in effects if isinstance(e, JointEffect) and e.joint == joint]
 
 
 def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array:
@@ -138,12 +133,6 @@ def _not_friction(
     return found
 
 
-def adds_up(effect: JointEffect) -> bool:
-    """Whether an effect's torque does not depend on the other effects of its joint."""
-    plain = effect.stage in ("friction", "dry", "link") and not effect.takes_load
-    return plain and effect.side in ("motor", "link")
-
-
 def own_torque(effect: JointEffect, model: FlexibleJointModel, motion: SmoothedMotion) -> tuple[str, Array]:
     """Side of an additive effect, and its torque (samples,) on the right side of that side's equation."""
     j, side = model.index(effect.joint), "link" if effect.stage == "link" else str(effect.side)
@@ -175,7 +164,8 @@ class Terms:
 
 def joint_terms(model: FlexibleJointModel, effects: Sequence[Effect], motion: SmoothedMotion, j: int) -> Terms:
     """The torques on a joint's rotor and link along a motion."""
-    acting = [each for each in of_joint(effects, model.joint_names[j]) if not spreads(each, model)]
+    own = (each for each in effects if isinstance(each, JointEffect) and each.joint == model.joint_names[j])
+    acting = [each for each in own if not spreads(each, model)]
     given = _not_friction(effects, model, motion, j)
     motor = applied_torque(acting, motion, j) + given["motor"]
     link = given["link"] - friction_torque(acting, model, motion, j, "link", np.zeros(len(motion.t)))

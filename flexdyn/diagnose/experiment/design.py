@@ -132,7 +132,7 @@ def _other_joints(model: FlexibleJointModel, pose: Array, j: int, words: str) ->
 def _joints(model: FlexibleJointModel, finding: Finding) -> list[int]:
     """The joints of a finding and its rivals; some of all joints if they have none."""
     found = []
-    for each in (finding.suspect, *finding.rivals):
+    for each in finding.names:
         joint = each.joint or each.place.get("channel", "").partition(".")[2]
         found += [model.index(joint)] if joint in model.joint_names else list(range(model.n))
     return list(dict.fromkeys(found))[:JOINTS_TRIED]
@@ -150,7 +150,7 @@ def _chosen(rehearsed: Sequence[Rehearsal]) -> tuple[Rehearsal, int] | None:
 
 def _names_of_finding(model: FlexibleJointModel, finding: Finding) -> list[str]:
     """Names of the finding and its rivals, with their places if the same effect occurs twice."""
-    suspects = (finding.suspect, *finding.rivals)
+    suspects = finding.names
     plain = [suspect_phrase(model, each) if is_number(each) else effect_name(each.effect) for each in suspects]
     return plain if len(set(plain)) == len(plain) else [suspect_phrase(model, each) for each in suspects]
 

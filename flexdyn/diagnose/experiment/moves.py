@@ -10,6 +10,7 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.experiment.reach import Reach
+from flexdyn.diagnose.report.words import joined
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 MOTION_REST_TIME = 0.4
@@ -129,8 +130,7 @@ def _sweeps(joint: _Joint, shares: Sequence[float]) -> Made:
         for _ in range(count):
             points += [points[0] + way, points[0]]
             paced += [speed, speed]
-    said = [two_digits(speed) for speed in speeds]
-    listed = " and ".join([", ".join(said[:-1]), said[-1]]) if len(said) > 1 else said[0]
+    listed = joined([two_digits(speed) for speed in speeds])
     return f"move {joint.name} at {listed} {joint.unit}/s both ways {joint.ends(half)}", joint.line(points, paced), None
 
 

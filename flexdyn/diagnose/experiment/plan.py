@@ -52,8 +52,7 @@ def _left_most(made: Rehearsal, near: int, passes: int, t: Array) -> tuple[Array
         times, labels = windows.t[:, :: windows.block].ravel(), list(windows.channels)
     else:
         equations, refit = side.space.equations, side.by_equations[near][1]
-        along, joints = equations.motions[0], equations.true.joint_names
-        times = along.t[equations.filters.instants(len(along.t))]
+        times, joints = equations.at_rows("t"), equations.true.joint_names
         labels = [f"{joints[k]}, {kind}" for k, kind in equations.kinds]
     white = (refit.left(passes)[: refit.rows] / np.sqrt(passes)).reshape(-1, len(labels))
     most = int((white**2).sum(axis=0).argmax())

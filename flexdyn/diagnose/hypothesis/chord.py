@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.hypothesis.estimate import SHORTENED_STEP
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
-from flexdyn.diagnose.hypothesis.linear import problem_of, tangent_scale
+from flexdyn.diagnose.hypothesis.linear import problem_of, scales_of, tangent
 from flexdyn.diagnose.parallel import SILENT
 from flexdyn.errors import SimulationError
 
@@ -48,8 +47,7 @@ class _Slopes:
             at = base.space.equations.of(start.model())
             along = at if space.along is None else space.along.of(start.model())
             with SILENT():
-                steps = [0.1 * tangent_scale(*key) for key in new]
-                made = [columns.of_parameter(along, *key, step) for key, step in zip(new, steps, strict=True)]
+                made = [tangent(along, *key) for key in new]
             known |= dict(zip(new, space.whiten(np.stack(made, axis=1)).T, strict=True))
         by_unknown = np.stack([known[key] for key in unknowns], axis=1) if unknowns else regression.X[:, :0]
         return cls(base, space, np.hstack([regression.X[:, :numbers], by_unknown, regression.X[:, first:]]))
@@ -61,7 +59,7 @@ class _Slopes:
             SimulationError: the equations are not finite.
         """
         at = self.base.space.equations.of(there.model())
-        scales = tuple(tangent_scale(*key) for key in there.unknowns())
+        scales = scales_of(there)
         units = np.ones(self.X.shape[1])
         units[len(there.factors) : len(units) - self.space.unknown.shape[1]] = scales
         with SILENT():

@@ -52,6 +52,10 @@ class Hypothesis:
         """The model with the offsets of its encoders."""
         return with_factors(self.given, self.factors, (*self.effects, *self.counts))
 
+    def is_beyond(self, number: FileNumber) -> bool:
+        """Whether a number is out of its tolerance."""
+        return abs(self.factors[number] - 1.0) > IN_TOLERANCE * number.tolerance
+
     def tolerated(self) -> Hypothesis:
         """The same with its numbers back within their tolerance: the cause of their displacement may be gone."""
         factors = dict(self.factors)
@@ -107,8 +111,3 @@ def bounded(effect: Effect, name: str, step: float) -> float:
 def _landed(value: float, bound: float, step: float) -> float:
     """Set a value to its bound if only rounding separates them: a size of 1e-30 is zero."""
     return bound if abs(value - bound) < STEP_ROUNDING * abs(step) else value
-
-
-def kind_and_place(effect: Effect | None) -> tuple[object, ...]:
-    """Identity of an effect without its numbers."""
-    return tuple(getattr(effect, key, None) for key in ("name", "joint", "side", "channel", "frame"))

@@ -23,12 +23,12 @@ def less_rounded(made: Fit) -> Fit:
     at = made.space.equations
     if at.simulated or at.replayed.any():
         return made
-    space = dataclasses.replace(made.space, equations=at.less(rounding(made.equations, made)))
+    space = dataclasses.replace(made.space, equations=at.less(rounding(made)))
     other = fit(made.hypothesis, space)
     return other if other.reached < made.reached else made
 
 
-def rounding(at: Equations, made: Fit) -> Array:
+def rounding(made: Fit) -> Array:
     """Error of the rows (rows,) by what the first filter does to a motion before laws see it.
 
     A law g sees the filtered motion F y, where its torque should be F g(y). With the second filter S, the difference is
@@ -40,10 +40,10 @@ def rounding(at: Equations, made: Fit) -> Array:
     pass on. Rows near a reversal, as these filters see it, are left as they are: dry friction jumps there.
 
     Args:
-        at: equations of a hypothesis.
-        made: a fit of it, whose workspace knows the noise.
+        made: a fit, of whose equations they are.
     """
-    dt, first, second = at.data[0].dt, _variance(at.filters.first), _variance(at.filters.second)
+    at = made.equations
+    dt, first, second = at.data[0].dt, at.filters.first.variance, at.filters.second.variance
     passes = 1 + bool(at.computed.any())  # a computed position passes the first filter twice
     narrow = at.with_filters(Filters(at.filters.first, _smoother(second + passes * first, dt), 1))
     wide = at.with_filters(Filters(_smoother(2.0 * first, dt), at.filters.second, 1))
@@ -53,25 +53,16 @@ def rounding(at: Equations, made: Fit) -> Array:
     return np.where(clear, -rows, 0.0)
 
 
-def _variance(smoother: GaussianSmoother) -> float:
-    """Of a smoother's kernel [samples^2]."""
-    k = np.arange(-smoother.half, smoother.half + 1)
-    return float(smoother.taps[0] @ k**2)
-
-
 def _smoother(variance: float, dt: float) -> GaussianSmoother:
     return GaussianSmoother.of_width(float(np.sqrt(variance)) * dt, dt)
 
 
 def _at_rows(at: Equations, other: Equations, values: Array) -> Array:
     """Values of equations that have a row at every sample, at the times of the rows (rows,); NaN beyond their ends."""
-    table, found, first = values.reshape(-1, len(at.kinds)), [], 0
-    for mine, along in zip(at.motions, other.motions, strict=True):
-        count = other.filters.count(len(along.t))
+    found, parts = [], other.by_recording(values.reshape(-1, len(at.kinds)))
+    for mine, along, table in zip(at.motions, other.motions, parts, strict=True):
         begin = along.t[other.filters.second.half]
         places = np.rint((mine.t[at.filters.instants(len(mine.t))] - begin) / along.dt).astype(int)
-        inside = (places >= 0) & (places < count)
-        rows = table[first : first + count][np.where(inside, places, 0)]
-        found.append(np.where(inside[:, None], rows, np.nan).ravel())
-        first += count
+        inside = (places >= 0) & (places < len(table))
+        found.append(np.where(inside[:, None], table[np.where(inside, places, 0)], np.nan).ravel())
     return np.concatenate(found)

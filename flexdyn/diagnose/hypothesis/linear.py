@@ -43,12 +43,11 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
     at = at or space.equations.of(hypothesis.model())
     here = space.at(at)
     along = at if space.along is None else space.along.of(hypothesis.model())
-    unknowns = hypothesis.unknowns()
-    scales = tuple(tangent_scale(effect, name) for effect, name in unknowns)
+    scales = scales_of(hypothesis)
     taken = None if before is None else before.taken or before.hypothesis
     near = before if taken is not None and _near(hypothesis, taken) else None
     with SILENT():
-        y, X = _rows(hypothesis, at, along, here, scales) if near is None else _same_slopes(near, at, here, scales)
+        y, X = _rows(hypothesis, at, along, here) if near is None else _same_slopes(near, at, here, scales)
     made = problem_of(hypothesis, at, y, X, space, scales)
     return dataclasses.replace(made, taken=taken if near else None)
 
@@ -100,17 +99,14 @@ def _near(one: Hypothesis, other: Hypothesis) -> bool:
     )
 
 
-def _rows(
-    hypothesis: Hypothesis, at: Equations, along: Equations, space: Workspace, scales: tuple[float, ...]
-) -> tuple[Array, Array]:
+def _rows(hypothesis: Hypothesis, at: Equations, along: Equations, space: Workspace) -> tuple[Array, Array]:
     """White residuals (rows,) and their slopes by the numbers, the unknowns and the encoders' offsets (rows, k)."""
 
-    def slope(unknown: tuple[tuple[Effect, str], float]) -> Array:
-        (effect, name), scale = unknown
+    def slope(unknown: tuple[Effect, str]) -> Array:
         with SILENT():
-            return scale * columns.of_parameter(along, effect, name, 0.1 * scale)
+            return tangent_scale(*unknown) * tangent(along, *unknown)
 
-    slopes = in_parallel(slope, zip(hypothesis.unknowns(), scales, strict=True))
+    slopes = in_parallel(slope, hypothesis.unknowns())
     white, nuisance = space.beside_nuisance(np.stack([at.residual, *slopes], axis=1))
     numbers = _slopes_of_numbers(hypothesis, along, space)
     return white[:, 0], np.column_stack([numbers, white[:, 1:], nuisance])
@@ -185,6 +181,16 @@ def tangent_scale(effect: Effect, name: str) -> float:
     if declared["step"] is not None:
         return float(declared["step"])
     return 0.01 * value if value > 0.0 else float(declared["step_at_zero"])
+
+
+def scales_of(hypothesis: Hypothesis) -> tuple[float, ...]:
+    """Scales of all parameters that are estimated."""
+    return tuple(tangent_scale(*unknown) for unknown in hypothesis.unknowns())
+
+
+def tangent(equations: Equations, effect: Effect, name: str) -> Array:
+    """Derivative of the residual (rows,) by a parameter of an effect of the model, over a tenth of its scale."""
+    return columns.of_parameter(equations, effect, name, 0.1 * tangent_scale(effect, name))
 
 
 def priors(hypothesis: Hypothesis, space: Workspace) -> tuple[Array, Array]:

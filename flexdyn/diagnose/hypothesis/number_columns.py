@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from flexdyn.arrays import Array
@@ -24,18 +22,14 @@ RELATIVE_NUMBER_STEP = 1e-3
 """Relative step of the differences."""
 
 
-def of_numbers(equations: Equations, numbers: Sequence[FileNumber]) -> Array:
+@kept
+def of_numbers(equations: Equations, numbers: tuple[FileNumber, ...]) -> Array:
     """Derivatives of the residual (rows, numbers) by the factors of the file's numbers; the equations keep them.
 
     Args:
         equations: of the model.
         numbers: of its file; those of all links need one pass over the motion.
     """
-    return _of_numbers(equations, tuple(numbers))
-
-
-@kept
-def _of_numbers(equations: Equations, numbers: tuple[FileNumber, ...]) -> Array:
     found = np.empty((len(equations.residual), len(numbers)))
     links = [k for k, number in enumerate(numbers) if number.joint is None]
     links = [] if equations.replayed.any() else links  # links that are simulated move otherwise

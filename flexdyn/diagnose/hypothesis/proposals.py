@@ -103,10 +103,9 @@ def _lags(equations: Equations, kinds: Sequence[type[SensorEffect]]) -> Iterator
 
     A lag is no small change where a spring is stiff, so it is on a grid.
     """
-    true, data = equations.true, equations.data[0]
-    there = {"q": data.has_q, "theta": data.has_theta}
-    channels = [f"{s}.{name}" for j, name in enumerate(true.joint_names) for s in there if there[s][j]]
-    for channel in (*channels, *(f"tau.{name}" for name in true.joint_names)):
+    true = equations.true
+    torques = (f"tau.{name}" for name in true.joint_names)
+    for channel in (*equations.data[0].encoders(true.joint_names), *torques):
         signal, _, joint = channel.partition(".")
         extent = dataclasses.replace(extent_of(equations, true.index(joint)), signal=signal)
         yield from (declared(kind, {"channel": channel}, extent) for kind in kinds)

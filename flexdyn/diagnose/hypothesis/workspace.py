@@ -60,12 +60,10 @@ class Unweighted:
     @classmethod
     def of(cls, equations: Equations, numbers: Iterable[FileNumber], at: Equations | None = None) -> Unweighted:
         """Slopes by these numbers of the file; those by offsets at other equations, if given (`with_offsets_of`)."""
-        data, joints = equations.data[0], equations.true.joint_names
-        there = {"q": data.has_q, "theta": data.has_theta}
-        channels = tuple(f"{signal}.{joint}" for j, joint in enumerate(joints) for signal in there if there[signal][j])
+        channels = equations.data[0].encoders(equations.true.joint_names)
         states, sigma = of_first_states(equations)
         unknown = np.column_stack([*_of_offsets(at or equations, channels), states, *_of_lags(at or equations)])
-        return cls(equations, number_columns.of_numbers(equations, list(numbers)), unknown, channels, sigma)
+        return cls(equations, number_columns.of_numbers(equations, tuple(numbers)), unknown, channels, sigma)
 
     def with_offsets_of(self, at: Equations) -> Unweighted:
         """The same with the slopes of other equations by lags of torques and by encoders' offsets.
@@ -157,10 +155,9 @@ def weighed(
     equations = bare.equations
     mask = sign_mask(equations, noise) if mask is None else mask
     whiten = whitener(at if at is not None and at.noisy else equations, noise, mask, extra)
-    sides = (name.partition(".") for name in bare.channels)
-    levels = [getattr(noise, signal)[equations.true.index(joint)] for signal, _, joint in sides]
+    levels = noise.of_channels(bare.channels, equations.true.joint_names)
     shapes = np.ones(bare.offsets.shape[1] - len(levels) - len(bare.states))
-    sigma = np.concatenate([2.0 * np.array(levels) + 1e-12, bare.states, shapes])
+    sigma = np.concatenate([2.0 * levels + 1e-12, bare.states, shapes])
     return Workspace(equations, whiten, noise, bare.numbers, bare.offsets, sigma, bare.channels, along=bare.along)
 
 

@@ -16,7 +16,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 from scipy.linalg import cho_solve
 
-from flexdyn.arrays import Array
+from flexdyn.arrays import Array, Indices
 from flexdyn.diagnose.constants import CERTAIN_SIGMAS, NOISE_LEVEL_ERROR, OFTEN, ON_LINKS, PREVALENCE_ODDS, SELDOM
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.gram import lower_factor
@@ -103,7 +103,7 @@ def power_ratios(space: Space, structure: Structure, overstated: Array | float =
         share = torque_share(space.candidates[c], space.matrix.size[mine], does)
         hidden = whole[there].sum() * (typical / share) ** 2 if share > 0.0 else 0.0
         left = max(float((weights * excess)[there].sum()), min(hidden, float((weights * below)[there].sum())))
-        found[c] = _own_power(space, structure, c, value, does) / max(left, 1e-9)
+        found[c] = _own_power(space, structure, c, mine, value, does) / max(left, 1e-9)
     return found
 
 
@@ -131,15 +131,15 @@ def _typical(space: Space, excess: Array) -> float:
     return float(np.sqrt(np.mean(shares))) if shares else 0.0
 
 
-def _own_power(space: Space, structure: Structure, c: int, value: Mapping[int, float], does: Array) -> float:
-    """Weighted squares of what some columns do that all others of a structure cannot, their priors included.
+def _own_power(
+    space: Space, structure: Structure, c: int, mine: Indices, value: Mapping[int, float], does: Array
+) -> float:
+    """Weighted squares of what a candidate's columns do that all others of a structure cannot, their priors included.
 
     ``min_b sum_k w_k |X_k does - Z_k b|^2 + b^T Lambda b``: a number that must leave its tolerance for it counts. Where
     a number is so little known that its prior allows it to be negative, b stays where it is positive.
     """
     numbers = list(space.library.start.factors.values())
-    mine = space.candidates[c].columns[dict(structure)[c]] if c in dict(structure) else np.zeros(0, np.intp)
-    mine = mine if c >= len(numbers) else np.array([c, *mine], np.intp)
     others = [k for other in structure if other[0] != c for k in space.candidates[other[0]].columns[other[1]].tolist()]
     plain = [k for each in space.contained[c] for k in space.candidates[each].columns[0].tolist()]
     columns = np.setdiff1d(np.array([*range(len(numbers)), *others, *plain], np.intp), mine)

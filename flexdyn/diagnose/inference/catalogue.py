@@ -11,7 +11,7 @@ from flexdyn.diagnose.data.filters import later
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
-from flexdyn.diagnose.equations.terms import applied_torque, joint_terms, of_joint
+from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.diagnose.hypothesis.own_effects import own_effects
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal, declared, extent_of
 from flexdyn.diagnose.hypothesis.proposals import proposals
@@ -57,7 +57,13 @@ def _of_effect(equations: Equations, effect: Effect, scale: float) -> Array:
         return _of_loaded(equations, effect) / scale
     if effect.stage != "actuator" or effect.of_recorded_torque:
         return columns.of_effect(equations, effect, scale)
-    return equations.of_torque(j, lambda along: ("motor", _on_the_way(equations, effect, along, j))) / scale
+
+    def lost(along: SmoothedMotion) -> tuple[str, Array]:
+        tau = along.tau.copy()
+        tau[:, j] = equations.needed(along, j)
+        return "motor", columns.on_its_way(equations.true, effect, replace(along, tau=tau, held=None), j)
+
+    return equations.of_torque(j, lost) / scale
 
 
 def _of_loaded(equations: Equations, effect: JointEffect) -> Array:
@@ -80,12 +86,3 @@ def _of_late_torque(equations: Equations, effect: SensorEffect) -> Array:
         return "motor", later(along.t, needed, -effect.lateness) - needed
 
     return equations.of_torque(j, earlier)
-
-
-def _on_the_way(equations: Equations, effect: JointEffect, along: SmoothedMotion, j: int) -> Array:
-    """What an effect does to a torque on its way to the rotor (samples,)."""
-    tau = along.tau.copy()
-    tau[:, j] = equations.needed(along, j)
-    asked = replace(along, tau=tau, held=None)
-    acting = of_joint(equations.true.all_effects, effect.joint)
-    return applied_torque([*acting, effect], asked, j) - applied_torque(acting, asked, j)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -46,7 +47,8 @@ def peaks(equations: Equations, left: Array, runs: Indices, row: int, signal: st
     scale = float(np.sqrt((left[runs >= 0] ** 2).mean())) or 1.0
     process = Autoregression.of(left / scale * 1e3, runs)  # the scale only keeps the innovations above 1
     y = process.innovations((left / scale * 1e3)[:, None], runs)[:, 0]
-    width = _filter(equations)
+    first, second = equations.filters.first, equations.filters.second
+    width = math.sqrt(first.variance + second.variance) * equations.data[0].dt
 
     def power(h: Array) -> Array:
         fade = np.exp(-0.5 * (h * u[:, None] * width) ** 2)
@@ -72,18 +74,7 @@ def peaks(equations: Equations, left: Array, runs: Indices, row: int, signal: st
 def _motion(equations: Equations, j: int, signal: str) -> tuple[Array, Array]:
     """Position and speed of a joint at the rows."""
     rate = {"q": "v", "theta": "omega"}[signal]
-    at = [(along, equations.filters.instants(len(along.t))) for along in equations.motions]
-    x = np.concatenate([getattr(along, signal)[where, j] for along, where in at])
-    return x, np.concatenate([getattr(along, rate)[where, j] for along, where in at])
-
-
-def _filter(equations: Equations) -> float:
-    """Standard deviation of both filters together [s]."""
-    kernels = (equations.filters.first, equations.filters.second)
-    dt = equations.data[0].dt
-    places = [np.arange(kernel.taps.shape[1]) - kernel.half for kernel in kernels]
-    variances = [float(kernel.taps[0] @ m**2) for kernel, m in zip(kernels, places, strict=True)]
-    return float(np.sqrt(sum(variances))) * dt
+    return equations.at_rows(signal)[:, j].copy(), equations.at_rows(rate)[:, j].copy()
 
 
 def with_harmonics(equations: Equations, known: list[Proposal], runs: Indices) -> list[Proposal]:

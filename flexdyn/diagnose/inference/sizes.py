@@ -10,10 +10,11 @@ import numpy as np
 
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.constants import LEAST_DAMPING_RATIO, SMALLEST_TORQUE_SHARE
+from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import MOTOR, TOTAL, TRANSMISSION
-from flexdyn.diagnose.equations.terms import of_joint, spring_torque
+from flexdyn.diagnose.equations.terms import spring_torque
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import Effect, JointEffect, registered
@@ -104,7 +105,7 @@ class Sizes:
         j = true.index(effect.joint)
         if not self.equations.computed[j]:
             return 0.0
-        others = [each for each in of_joint(true.all_effects, effect.joint) if each != effect]
+        others = [each for each in acting_on(true, j) if each != effect]
         parts = [
             spring_torque(true, [*others, effect], along, j)[:, 0] - spring_torque(true, others, along, j)[:, 0]
             for along in self.equations.motions
@@ -145,7 +146,7 @@ class Sizes:
         j = self.equations.true.index(joint)
         if not self.equations.unmeasured[j]:
             return 0
-        which = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
+        which = self.equations.places(j, MOTOR, TOTAL)
         return int((~self.mask.reshape(-1, len(self.equations.kinds))[:, which]).sum())
 
     def log_jacobian(self, effect: Effect) -> float:
@@ -159,12 +160,11 @@ class Sizes:
         if effect.scales_torque:
             return self.rows_of(effect.joint) * float(np.log(max(1.0 + effect.torque_gain, 0.01)))
         j, total = self.equations.true.index(effect.joint), 0.0
-        rows = [k for k, (i, kind) in enumerate(self.equations.kinds) if i == j and kind in (MOTOR, TOTAL)]
-        floor = self.noise.tau[j] / self.reference[rows[0]]
+        torque = float(self.reference[self.equations.places(j, MOTOR, TOTAL)[0]])
+        floor, step = self.noise.tau[j] / torque, 1e-3 * torque
         for along in self.equations.motions:
             at = self.equations.filters.instants(len(along.t))
             x, u, tau, t = along.theta[at, j], along.omega[at, j], along.tau[at, j], along.t[at]
-            step = 1e-3 * float(self.reference[rows[0]])
             ahead, behind = (torque_of(effect, x, u, t=t, tau=tau + sign * step) for sign in (1.0, -1.0))
             slope = np.abs(ahead - behind) / (2.0 * step)
             total += float(np.log(np.clip(slope, floor, 1.0)).sum())

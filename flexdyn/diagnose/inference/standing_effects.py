@@ -8,9 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from flexdyn.diagnose.constants import EFFECT_TORQUE_SHARE
-from flexdyn.diagnose.equations.columns import of_parameter
-from flexdyn.diagnose.hypothesis.hypothesis import kind_and_place
-from flexdyn.diagnose.hypothesis.linear import tangent_scale
+from flexdyn.diagnose.hypothesis.linear import tangent, tangent_scale
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.inference.candidate import Column, natural
 from flexdyn.diagnose.inference.column_maker import ColumnMaker, natural_spread
@@ -34,7 +32,7 @@ def beliefs(maker: ColumnMaker, effects: tuple[Effect, ...]) -> Belief:
         nothing = effect.neutral.get(name)
         if nothing is None or not np.isfinite(nothing):
             return belief(maker, effect, name)
-        place = (*kind_and_place(effect), name)
+        place = (name, *(getattr(effect, key, None) for key in ("name", "joint", "side", "channel", "frame")))
         if place not in known:
             known[place] = (float(nothing), _spread(at, effect, name))
         return known[place][0] - getattr(effect, name), known[place][1]
@@ -60,8 +58,7 @@ def belief(maker: ColumnMaker, effect: Effect, name: str, sizes: Sizes | None = 
     """
     value, nothing = getattr(effect, name), effect.neutral.get(name)
     if nothing is not None and np.isfinite(nothing):
-        scale = tangent_scale(effect, name)
-        raw = of_parameter(maker.equations, effect, name, 0.1 * scale)
+        raw = tangent(maker.equations, effect, name)
         largest = float((sizes or maker.sizes).largest(raw[None])[0])
         spread = natural_spread(effect.name, EFFECT_TORQUE_SHARE / largest) if 0.0 < largest < np.inf else np.inf
         return (float(nothing) - value, spread) if np.isfinite(spread) else (0.0, np.inf)
@@ -108,7 +105,7 @@ def standing_columns(
         ):
             continue
         scale = tangent_scale(effect, name)
-        raw = scale * of_parameter(maker.equations, effect, name, 0.1 * scale)
+        raw = scale * tangent(maker.equations, effect, name)
         largest = maker.sizes.largest(raw[None])[0]
         if not np.isfinite(largest) or largest == 0.0:
             continue

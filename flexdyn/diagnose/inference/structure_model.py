@@ -36,8 +36,8 @@ def hypothesis_of(space: Space, structure: Structure, *, whole: bool = False, sh
     here = space.library.start
     if structure == standing(space) and not any(waits(space, c) for c, _ in structure):
         return here
-    estimate = space.gram.whole(space.columns(structure))
-    value = dict(zip(estimate.columns.tolist(), (share * estimate.mean).tolist(), strict=True))
+    columns, mean = space.gram.with_base(space.gram.estimate(space.columns(structure)))
+    value = dict(zip(columns.tolist(), (share * mean).tolist(), strict=True))
     names = list(here.factors)
     factors = {n: here.factors[n] + value[k] for k, n in enumerate(names)}
     freed: set[FileNumber] = set()

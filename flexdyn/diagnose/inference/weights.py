@@ -117,8 +117,7 @@ def tempered(plain: Workspace, error: ModelError) -> Workspace:
 
 def rows_of(at: Equations, mask: Flags) -> Seen:
     """Which rows of the equations say something."""
-    lengths = tuple(at.filters.count(len(along.t)) for along in at.motions)
-    return Seen(~mask.reshape(-1, len(at.kinds)), lengths)
+    return Seen(~mask.reshape(-1, len(at.kinds)), at.counts)
 
 
 def filter_error(equations: Equations, here: Hypothesis) -> Array | None:
@@ -146,12 +145,8 @@ def filter_error(equations: Equations, here: Hypothesis) -> Array | None:
 
 def _by_recording(at: Equations, rows: Array) -> list[tuple[Array, Array]]:
     """Times and rows (times, equations) of every recording."""
-    table, found, first = rows.reshape(-1, len(at.kinds)), [], 0
-    for along in at.motions:
-        t = along.t[at.filters.instants(len(along.t))]
-        found.append((t, table[first : first + len(t)]))
-        first += len(t)
-    return found
+    both = (at.at_rows("t"), rows.reshape(-1, len(at.kinds)))
+    return list(zip(*map(at.by_recording, both), strict=True))
 
 
 def _difference(narrow: tuple[Array, Array], wide: tuple[Array, Array]) -> Array:

@@ -12,8 +12,6 @@ from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.joint import JOINT_UNITS
 from flexdyn.model.resolved_parameters import OF_MOTOR, units_of
 
-LIMIT = 3.0
-"""Tolerances by which a number may move and be calibrated (contract, section 8)."""
 FACTOR = "1"
 """Unit of a number of which only the factor is known."""
 

@@ -9,6 +9,7 @@ import zlib
 from pathlib import Path
 from typing import Any
 
+from flexdyn.diagnose.constants import IN_TOLERANCE
 from flexdyn.diagnose.report import calibrated, digits, pictures, sentences, suspects, words
 from flexdyn.diagnose.report.document import CONSIDERED
 from flexdyn.diagnose.report.result import Diagnosis
@@ -63,14 +64,16 @@ def part(diagnosis: Diagnosis, name: str) -> str:
 
 def _known(diagnosis: Diagnosis) -> dict[str, Any]:
     """All values of the templates."""
-    own = {
+    return {
+        **KNOWN,
         "CONSIDERED": CONSIDERED,
+        "IN_TOLERANCE": IN_TOLERANCE,
         "catalogue": catalogue(),
         "isfinite": math.isfinite,
         "isnan": math.isnan,
         "diagnosis": diagnosis,
+        "model": diagnosis.model,
     }
-    return {**KNOWN, **own, "model": diagnosis.model}
 
 
 def _figures(diagnosis: Diagnosis) -> dict[str, object]:

@@ -91,13 +91,9 @@ class Shot:
         """
         return self._filter.whitened(change, np.zeros_like(self._moved)) / self.fragile[:, None]
 
-    def is_noise(self, floor: float = 1.0) -> bool:
-        """Whether the gap of the median window is noise; a single window with wrong sticking has little influence.
-
-        Args:
-            floor: the gap of a perfect model, if it is more than 1.
-        """
-        return float(np.median(self.by_window)) <= NOISE_GAP * max(floor, 1.0)
+    def is_noise(self) -> bool:
+        """Whether the gap of the median window is noise; a single window with wrong sticking has little influence."""
+        return float(np.median(self.by_window)) <= NOISE_GAP
 
     @property
     def misfit(self) -> Array:

@@ -163,9 +163,7 @@ class Windows:
     @property
     def sensor_noise(self) -> Array:
         """Standard deviation of every channel (channels,); of a channel without noise, a tiny number."""
-        parts = (name.partition(".") for name in self.channels)
-        levels = [getattr(self.noise, signal)[self.joints.index(joint)] for signal, _, joint in parts]
-        return np.maximum(levels, LEAST_NOISE)
+        return np.maximum(self.noise.of_channels(self.channels, self.joints), LEAST_NOISE)
 
     @property
     def blocks(self) -> int:

@@ -11,7 +11,7 @@ from flexdyn.arrays import Array
 from flexdyn.diagnose.constants import WORTHWHILE_GAIN
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
-from flexdyn.diagnose.hypothesis.linear import priors, tangent_scale, within_bounds
+from flexdyn.diagnose.hypothesis.linear import priors, scales_of, within_bounds
 from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.windows import Windows
@@ -113,7 +113,7 @@ def fit_to_windows(start: WindowFit) -> WindowFit:
     filter, and each window weighs by the error that it leaves beyond noise (iteratively reweighted least squares).
     Steps that are small against what is left beyond noise do not lead to noise: the fit ends, and is not stationary.
     """
-    best, J = start, slopes(start.made.hypothesis, start.shot, _scales(start.made.hypothesis))
+    best, J = start, slopes(start.made.hypothesis, start.shot, scales_of(start.made.hypothesis))
     for _ in range(WINDOW_FIT_STEPS):
         problem = _problem(best, J)
         after = _better_step(best, problem)
@@ -123,12 +123,8 @@ def fit_to_windows(start: WindowFit) -> WindowFit:
         if gained < best.worthwhile:
             settled = gained < WORTHWHILE_GAIN
             return dataclasses.replace(best, made=dataclasses.replace(_problem(best, J), stationary=settled))
-        J = slopes(best.made.hypothesis, best.shot, _scales(best.made.hypothesis))
+        J = slopes(best.made.hypothesis, best.shot, scales_of(best.made.hypothesis))
     return dataclasses.replace(best, made=_problem(best, J))
-
-
-def _scales(here: Hypothesis) -> tuple[float, ...]:
-    return tuple(tangent_scale(effect, name) for effect, name in here.unknowns())
 
 
 def _problem(here: WindowFit, J: Array) -> Fit:
@@ -141,7 +137,7 @@ def _problem(here: WindowFit, J: Array) -> Fit:
     rows = max(int((weight > 0.0).sum()), 1)
     regression = Regression(weight * white.ravel(), weight[:, None] * J, centre, sigma, rows)
     at = here.made.equations
-    return within_bounds(Fit(hypothesis, at, regression, space, _scales(hypothesis), block=white.shape[1]))
+    return within_bounds(Fit(hypothesis, at, regression, space, scales_of(hypothesis), block=white.shape[1]))
 
 
 def _better_step(here: WindowFit, problem: Fit) -> WindowFit | None:

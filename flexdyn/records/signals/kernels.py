@@ -158,6 +158,12 @@ class GaussianSmoother:
         return cls(np.array([value, first / dt, second / dt**2]))
 
     @property
+    def variance(self) -> float:
+        """Variance of the Gaussian, as sampled [samples^2]."""
+        m = np.arange(-self.half, self.half + 1)
+        return float(self.taps[0] @ m**2)
+
+    @property
     def half(self) -> int:
         """Samples lost at either end."""
         return int(self.taps.shape[1]) // 2
