@@ -90,7 +90,8 @@ def test_the_noise_of_a_late_channel_is_found_where_it_was_recorded(
     (found,) = expected_data(here, noise, white, np.ones(len(at.kinds)))
     seen = (recorded.tau + n - found.tau)[50:-50]
     alike = {k: float((seen * np.roll(n, k, axis=0)[50:-50]).sum()) for k in range(-10, 11)}
-    assert abs(max(alike, key=lambda k: alike[k])) <= 1  # the filters are several samples wide
+    likeliest = max(alike, key=lambda k: alike[k])
+    assert abs(likeliest) <= 1  # the filters are several samples wide
 
 
 def test_a_spring_that_the_file_lacks_has_the_slope_of_the_likelihood(clean: tuple[Equations, SampleNoise]) -> None:
@@ -234,7 +235,11 @@ def test_slopes_of_numbers_follow_what_changes_the_rows(stiff: fd.Recording, bes
     model = _stiff(1.0)
     bare, _, here = prepared(model, (measured(model, stiff),))
     there = dataclasses.replace(here, effects=(beside,))
-    work = weighed(bare, SampleNoise(*np.full((3, 2), 1e-6), np.zeros(2)), np.zeros(bare.equations.residual.size, bool))
+    work = weighed(
+        bare,
+        SampleNoise(np.full(2, 1e-6), np.full(2, 1e-6), np.full(2, 1e-6), np.zeros(2)),
+        np.zeros(bare.equations.residual.size, bool),
+    )
     X = linearised(there, work).regression.X
     for k, number in enumerate(there.factors):
         sides = [

@@ -32,7 +32,7 @@ def beliefs(maker: ColumnMaker, effects: tuple[Effect, ...]) -> Belief:
         nothing = effect.neutral.get(name)
         if nothing is None or not np.isfinite(nothing):
             return belief(maker, effect, name)
-        place = (name, *(getattr(effect, key, None) for key in ("name", "joint", "side", "channel", "frame")))
+        place = (name, *(getattr(effect, key, None) for key in ("name", "joint", "side", "other", "channel", "frame")))
         if place not in known:
             known[place] = (float(nothing), _spread(at, effect, name))
         return known[place][0] - getattr(effect, name), known[place][1]
