@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexdyn.diagnose.data.filters import Filters
+from flexdyn.diagnose.data.filters import Filters, later
+from flexdyn.diagnose.equations.held_torque import centred
 from flexdyn.records.signals.kernels import GaussianSmoother
 
 
@@ -46,3 +47,27 @@ def test_rows_are_the_whole_filter_thinned(samples: int, every: int, order: int)
     at = filters.instants(samples) - kernel.half
     np.testing.assert_allclose(filters.rows(x, order), whole[at], rtol=1e-9, atol=1e-9 * np.abs(whole).max())
     assert len(at) == filters.count(samples)
+
+
+@pytest.mark.parametrize("rate", [125.0, 250.0, 1000.0])
+def test_a_held_torque_is_what_it_accelerates(rate: float) -> None:
+    """X'' = u with u held between samples, solved exactly: the mean of two samples falls short at slow rates."""
+    t = np.arange(2000) / rate
+    u = np.sin(2.0 * np.pi * 0.02 * rate * t) + 0.5 * np.sin(2.0 * np.pi * 0.005 * rate * t + 1.0)
+    speed = np.concatenate([[0.0], np.cumsum(u[:-1]) / rate])
+    x = np.concatenate([[0.0], np.cumsum(speed[:-1] / rate + 0.5 * u[:-1] / rate**2)])
+    smoother = GaussianSmoother.of_width(1.25 / rate, 1.0 / rate)
+    true, sharp = smoother.apply(x, 2), smoother.apply(centred(u), 0)
+    mean = smoother.apply(np.concatenate([u[:1], 0.5 * (u[1:] + u[:-1])]), 0)
+    inside = slice(20, -20)
+    assert np.abs(sharp - true)[inside].max() < 0.1 * np.abs(mean - true)[inside].max()
+
+
+def test_a_late_signal_is_not_smoothed() -> None:
+    """By a part of a sample, against the signal itself; straight lines would smooth it."""
+    t = np.arange(400) / 100.0
+    x, late = np.sin(40.0 * t), 0.0137
+    error = np.abs(later(t, x, late) - np.sin(40.0 * (t - late)))[20:-20].max()
+    lines = np.abs(np.interp(t - late, t, x) - np.sin(40.0 * (t - late)))[20:-20].max()
+    assert error < 0.1 * lines
+    assert later(t, x, 1.0)[0] == x[0]

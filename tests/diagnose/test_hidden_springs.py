@@ -65,7 +65,6 @@ def test_an_effect_in_a_transmission_is_as_large_as_its_torque(
     at, work = bare.equations.of(here.model()), weighed(bare, noise)
     library = Library(
         at, work.whiten, here, work.numbers, work.nuisance, work.nuisance_sigma, tuple(everything(at)), noise,
-        work.whiten.mask,
     )  # fmt: skip
     change = at.residual - bare.equations.residual
     share, _ = library.sizes.of(HYSTERESIS, change)

@@ -170,8 +170,8 @@ def _genuine(found: Posterior, share: Mapping[int, float]) -> dict[int, float]:
 def _overstated(found: Posterior) -> Array:
     """What the linear equations leave of the best structure, and its fit does not (equations,)."""
     space = found.space
-    left = squares_left(found.fitted.equations, found.fitted.space)
-    return np.maximum(space.gram.squares(space.gram.estimate(space.columns(found.best))) - left, 0.0)
+    left, _ = squares_left(found.fitted.equations, found.fitted.space)
+    return np.maximum(space.gram.squares(space.estimate(found.best)) - left, 0.0)
 
 
 def _masses(found: Posterior) -> Masses:

@@ -13,7 +13,7 @@ from flexdyn.diagnose.constants import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.decision.model_effects import effect_of
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.linear import priors
-from flexdyn.diagnose.inference.odds_by_fits import squares_shown
+from flexdyn.diagnose.inference.odds_by_fits import squares_left
 from flexdyn.diagnose.inference.space import Space, Structure
 
 LARGEST_LOG_ODDS = 300.0
@@ -45,8 +45,8 @@ class FittedStructure:
         Where a joint with a computed position begins or ends to stick, all rows contain what its friction does at an
         uncertain instant. They do not tell one law of friction from another.
         """
-        *squares, of_offsets = squares_shown(made.equations, made.space, hidden)
-        whole, shown = (space.noise.log_likelihood(each) for each in squares)
+        (left, of_offsets), (seen, _) = (squares_left(made.equations, made.space, each) for each in (False, hidden))
+        whole, shown = map(space.noise.log_likelihood, (left, seen))
         value_shown = value - whole + shown + _log_between_points(space, structure, made)
         numbers = len(made.hypothesis.unknowns()) + len(made.hypothesis.freed)
         centre, sigma = (each[: len(made.hypothesis.factors)] for each in priors(made.hypothesis, made.space))

@@ -20,7 +20,6 @@ from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
 from flexdyn.effects import effect_from_dict
-from flexdyn.errors import SimulationError
 
 
 def rivals_in_fits(found: Posterior) -> Posterior:
@@ -115,16 +114,8 @@ def _one_sided(space: Space, best: Structure, made: Fit) -> Iterator[tuple[Struc
                 if effect is not None and there.joint == offset.proposal.joint
             }
             if tried:
-                p = max(tried, key=lambda p: _log_density(space, tried[p], made))
+                p = max(tried, key=lambda p: log_density_at(space, tried[p], made.space))
                 yield best - {each} | {(c, p)}, tried[p]
-
-
-def _log_density(space: Space, there: Hypothesis, made: Fit) -> float:
-    """Of a hypothesis under the weights of a fit; -infinity where its equations are not finite."""
-    try:
-        return log_density_at(space, there, made.space.equations.of(there.model()), made.space)
-    except SimulationError:
-        return -math.inf
 
 
 def _related(space: Space, c: int) -> set[int]:

@@ -14,6 +14,7 @@ from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.held_torque import HELD
 from flexdyn.diagnose.equations.hidden_links import hidden_links_error, noise_of_vibration
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION
 from flexdyn.diagnose.equations.motion import SmoothedMotion
@@ -125,7 +126,7 @@ def _kernels(filters: Filters, twice: bool) -> dict[str, list[Array]]:
         whole = [np.convolve(kernel, first[0]) for kernel in whole]
         whole += [np.convolve(np.convolve(second, once), first[2]) for once in first[1:]]
         whole.append(np.convolve(np.convolve(filters.second.taps[2], first[1]), first[2]))
-    held = [np.convolve(kernel, [0.5, 0.5]) for kernel in whole]
+    held = [np.convolve(kernel, HELD) for kernel in whole]
     return {"q": whole, "theta": whole, "tau": held, "tau_s": whole[:1]}
 
 

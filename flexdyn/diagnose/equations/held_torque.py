@@ -10,6 +10,9 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.records.signals.kernels import GaussianSmoother
 
+HELD = (-1 / 24, 13 / 24, 13 / 24, -1 / 24)
+"""Weights of the samples k - 2 to k + 1 of a held torque in its value at sample k, see `centred` [1]."""
+
 
 @dataclass(frozen=True, eq=False)
 class HeldTorque:
@@ -37,7 +40,7 @@ class HeldTorque:
         """
         after = self.tau[:, j]
         before = np.concatenate([after[:1], after[:-1]])
-        x = 0.5 * (law(before) + law(after))
+        x = _sharpened(0.5 * (law(before) + law(after)))
         for _ in range(self.passes):
             x = self.kernel.apply(x, 0)
         spare = (len(x) - many) // 2
@@ -45,7 +48,18 @@ class HeldTorque:
 
 
 def centred(tau: Array) -> Array:
-    """A torque that is held from each sample to the next, at the samples: the mean of the values before and after."""
+    """A torque that is held from each sample to the next, as a smooth signal at the samples (samples, ...).
+
+    ``(1 - d^2/12) (tau_k + tau_(k-1))/2`` with second differences d^2: `HELD`. The mean alone is the second difference
+    of what the torque accelerates, over dt^2, and falls short of its second derivative by the factor 1 + d^2/12.
+    """
     mean = tau.copy()
     mean[1:] = 0.5 * (tau[1:] + tau[:-1])
-    return mean
+    return _sharpened(mean)
+
+
+def _sharpened(mean: Array) -> Array:
+    """(1 - d^2/12) of means over two samples; the first and the last one stay."""
+    sharp = mean.copy()
+    sharp[1:-1] -= (mean[2:] - 2.0 * mean[1:-1] + mean[:-2]) / 12.0
+    return sharp

@@ -81,7 +81,7 @@ def power_ratios(space: Space, structure: Structure, overstated: Array | float =
         structure: in it.
         overstated: squares that the linear equations leave and a fit does not (equations,).
     """
-    own = space.gram.estimate(space.columns(structure))
+    own = space.estimate(structure)
     columns, mean = space.gram.with_base(own)
     value = dict(zip(columns.tolist(), mean.tolist(), strict=True))
     squares = np.maximum(space.gram.squares(own) - overstated, 0.0)

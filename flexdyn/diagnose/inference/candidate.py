@@ -55,6 +55,11 @@ class Candidate:
         return self.place.get("joint"), self.place.get("side")
 
     @cached_property
+    def identity(self) -> tuple[object, ...]:
+        """Kind and place, whatever its numbers are."""
+        return (self.kind, *sorted(self.place.items()))
+
+    @cached_property
     def law(self) -> type[Effect]:
         """What its class declares; that of any effect for a number of the file."""
         return registered().get(self.kind, Effect)

@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.arrays import Array, Flags
+from flexdyn.arrays import Array
 from flexdyn.diagnose.constants import EFFECT_TORQUE_SHARE, FIXED_SIZE_WIDTH, FREED_TOLERANCES, FREED_WIDTH
 from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener
 from flexdyn.diagnose.equations.equations import Equations
@@ -38,7 +38,6 @@ class ColumnMaker:
         offset_std: of their priors (channels,).
         proposals: of effects that the model does not hold yet.
         noise: of the channels.
-        mask: rows that say nothing (rows,).
         first: the same at the model as given, whose torques scale the priors; None: this one.
         given_sizes: largest shares of the columns made so far.
     """
@@ -51,14 +50,13 @@ class ColumnMaker:
     offset_std: Array
     proposals: tuple[Proposal, ...]
     noise: SampleNoise
-    mask: Flags
     first: ColumnMaker | None = None
     given_sizes: dict[tuple[object, ...], Array] = dataclasses.field(default_factory=dict, init=False)
 
     @lazy
     def sizes(self) -> Sizes:
         """How large effects are here."""
-        return Sizes(self.equations, self.noise, self.mask)
+        return Sizes(self.equations, self.noise, self.whiten.mask)
 
     def always(self) -> Column:
         """The file's numbers, within their tolerance, and offsets of the encoders."""
@@ -81,7 +79,7 @@ class ColumnMaker:
 
     def columns(self, proposal: Proposal, point: Point) -> Column | None:
         """Of a proposal at a grid point; None where it does nothing there, or nothing finite."""
-        width, times = len(proposal.units(point)), self.mask.size // self.many
+        width, times = len(proposal.units(point)), self.whiten.mask.size // self.many
         return self.of_points(proposal, (point,), np.empty((self.many, width, times), np.float32))[0]
 
     def of_points(

@@ -94,7 +94,7 @@ class Linearisation:
             check_memory(listed, mask.size, sum(float(along.t[-1] - along.t[0]) for along in at.motions))
         along = at if near.along is None else near.along.of(here.model())
         whole = slopes, work.nuisance, work.nuisance_sigma
-        library = Library(along, work.whiten, here, *whole, tuple(listed), noise, mask, first)
+        library = Library(along, work.whiten, here, *whole, tuple(listed), noise, first)
         return cls(Space(library, work.whiten(at.residual), seen, in_slopes), near, noise, mask)
 
     def best_fitted(self, structure: Structure, steps: int, *, whole: bool = False) -> Fit:
@@ -111,7 +111,7 @@ class Linearisation:
             whole: see `hypothesis_of`.
         """
         space, here = self.space, self.space.library.start
-        own, start = space.gram.estimate(space.columns(structure)), self._begun(structure, whole=whole)
+        own, start = space.estimate(structure), self._begun(structure, whole=whole)
         promised, before = self._promised(structure), self._log_density(here)
         best, most = self._if_finite(start, steps, promised), space.log_density(own) - OCCAM_WINDOW
         if promised and (best is None or self._log_density(best.hypothesis) <= most):
@@ -166,10 +166,7 @@ class Linearisation:
     def _log_density(self, there: Hypothesis) -> float:
         """Of a hypothesis as it is, under weights that all share; -inf where its equations are not finite."""
         work = dataclasses.replace(self.plain, beliefs=beliefs(self.space.library, there.effects))
-        try:
-            return log_density_at(self.space, there, self.near.equations.of(there.model()), work)
-        except SimulationError:
-            return -math.inf
+        return log_density_at(self.space, there, work)
 
     @lazy
     def plain(self) -> Workspace:

@@ -41,13 +41,9 @@ def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[fr
     found = []
     for each in others:
         structure = in_space(space, each)
-        start = hypothesis_of(space, structure, whole=True)
-        try:
-            made = fit(start, fitted.space, steps=STEPS_OF_A_FIT)
-        except SimulationError:  # its numbers by the linear equations are no model: the fits cannot decide
-            found.append(1.0)
-            continue
-        found.append(math.exp(min(0.0, log_posterior(space, structure, made) - here)))
+        made = _fit_of_structure(space, structure, fitted, STEPS_OF_A_FIT)  # None: the fits cannot decide
+        value = here if made is None else log_posterior(space, structure, made)
+        found.append(math.exp(min(0.0, value - here)))
     return tuple(found)
 
 
@@ -136,7 +132,7 @@ def carried_on(space: Space, structure: Structure, made: Fit) -> Fit:
 
 def _lacks(space: Space, made: Fit) -> bool:
     """Whether a fit leaves more than noise, chance and a misjudged level of the noise make."""
-    count, squares = space.noise.count, squares_left(made.equations, made.space)
+    count, squares = space.noise.count, squares_left(made.equations, made.space)[0]
     return bool((squares > (1.0 + NOISE_LEVEL_ERROR) * count + CERTAIN_SIGMAS * np.sqrt(2.0 * count)).any())
 
 
@@ -172,47 +168,38 @@ def in_space(space: Space, candidates: frozenset[int]) -> Structure:
 
 def log_posterior(space: Space, structure: Structure, made: Fit) -> float:
     """Of a structure by its fit, not normalised: see `odds_by_fits`."""
-    own = space.gram.estimate(space.columns(structure))
+    own = space.estimate(structure)
     gained = space.log_gained(made.hypothesis.effects)
-    return log_density(space, made) + gained + space.log_volume(structure, own) + space.log_large(structure, own)
+    density = _log_density(space, made.hypothesis, made.equations, made.space)
+    return density + gained + space.log_volume(structure, own) + space.log_large(structure, own)
 
 
-def log_density(space: Space, made: Fit) -> float:
-    """Log likelihood of what a fit leaves, under the model error of a linearisation, and of the priors.
+def log_density_at(space: Space, there: Hypothesis, work: Workspace) -> float:
+    """Of a hypothesis as it is, with the weights of a workspace; -inf where its equations are not finite."""
+    try:
+        return _log_density(space, there, work.equations.of(there.model()), work)
+    except SimulationError:
+        return -math.inf
+
+
+def _log_density(space: Space, there: Hypothesis, at: Equations, work: Workspace) -> float:
+    """Log likelihood of what a hypothesis leaves, under the model error of a linearisation, and of the priors.
 
     These are of the numbers and of the offsets of the encoders: an offset may take up a torque that is missing.
     """
-    return log_density_at(space, made.hypothesis, made.equations, made.space)
-
-
-def log_density_at(space: Space, there: Hypothesis, at: Equations, work: Workspace) -> float:
-    """The same of a hypothesis that has these equations, with the weights of a workspace."""
     centre, sigma = priors(there, work)
-    squares, of_offsets = _left(at, work)
+    squares, of_offsets = squares_left(at, work)
     return space.noise.log_likelihood(squares) - 0.5 * (float(np.sum((centre / sigma) ** 2)) + of_offsets)
 
 
-def squares_left(at: Equations, work: Workspace) -> Array:
-    """Sums of the squared rows of each equation, in units of the sensors' noise (equations,)."""
-    return _left(at, work)[0]
+def squares_left(at: Equations, work: Workspace, hidden: Flags | bool = False) -> tuple[Array, float]:
+    """Sums of the squared rows of each equation that are not hidden, in units of the sensors' noise (equations,).
 
-
-def squares_shown(at: Equations, work: Workspace, hidden: Flags) -> tuple[Array, Array, float]:
-    """The same of all rows, and of those that are not hidden; and of the encoders' offsets, over their variances."""
+    And that of the encoders' offsets, over their variances.
+    """
     weights = work.at(at)
     white, of_offsets = weights.without_offsets(at.residual)
-    return _squares(white, weights, at), _squares(np.where(hidden, 0.0, white), weights, at), of_offsets
-
-
-def _left(at: Equations, work: Workspace) -> tuple[Array, float]:
-    """The same of all rows, and the sum of squares of the encoders' offsets over their standard deviations."""
-    weights = work.at(at)
-    white, of_offsets = weights.without_offsets(at.residual)
-    return _squares(white, weights, at), of_offsets
-
-
-def _squares(white: Array, weights: Workspace, at: Equations) -> Array:
-    squares = (white.reshape(-1, len(at.kinds)) ** 2).sum(axis=0)
+    squares = (np.where(hidden, 0.0, white).reshape(-1, len(at.kinds)) ** 2).sum(axis=0)
     if isinstance(weights.whiten, Tempered):
         squares = squares * weights.whiten.error.scale**2 * weights.whiten.error.times
-    return np.asarray(squares)
+    return np.asarray(squares), of_offsets

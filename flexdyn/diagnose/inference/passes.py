@@ -17,7 +17,6 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.workspace import Unweighted
-from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.linearisation import Linearisation
@@ -57,7 +56,6 @@ class Posterior:
         space: candidates and their matrix, at the best structure and under its model error.
         best: the most likely structure.
         fitted: it, by Gauss-Newton.
-        noise: of the channels.
         settled: whether the last pass changed nothing.
         known: log posteriors of the structures that were compared, not normalised.
         earlier: kinds and places of the best structures at other linearisations, where these do not agree: of a cycle
@@ -69,17 +67,21 @@ class Posterior:
     space: Space
     best: Structure
     fitted: Fit
-    noise: SampleNoise
     settled: bool
     known: Mapping[Structure, float]
     expected: tuple[str, ...] = ()
     earlier: tuple[Places, ...] = ()
     by_fits: tuple[tuple[Structure, frozenset[int], float], ...] = ()
 
+    @property
+    def noise(self) -> SampleNoise:
+        """Of the channels."""
+        return self.fitted.space.noise
+
     @lazy
     def other_linearisations(self) -> tuple[tuple[frozenset[int], float], ...]:
         """Candidates of this space that each of `earlier` holds, and their odds to the best structure by fits."""
-        place = {identity(candidate): c for c, candidate in enumerate(self.space.candidates)}
+        place = {candidate.identity: c for c, candidate in enumerate(self.space.candidates)}
         sets = [frozenset(place[each] for each in seen if each in place) for seen in self.earlier]
         return tuple(zip(sets, odds_by_fits(self.space, self.best, self.fitted, sets), strict=True)) if sets else ()
 
@@ -111,7 +113,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
         if bare.equations.simulated or (bare.equations.computed.any() and best != stands):
             chosen = best_by_fits if bare.equations.simulated else best_where_not_linear
             best = chosen(space, best, near.fitted(hypothesis_of(space, stands), PASS_STEPS), stands)
-        places, at = (frozenset(identity(space.candidates[c]) for c, _ in each) for each in (best, stands))
+        places, at = (frozenset(space.candidates[c].identity for c, _ in each) for each in (best, stands))
         # Where the file's numbers are far off, nothing may look worth adding: only a fit's linearisation can say that.
         stays = k > 0 and _nonlinear(space, best) == _nonlinear(space, stands)
         # A structure that comes again counts where it comes from the same one: weights and slopes follow what stands.
@@ -124,7 +126,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
             break
         strong = best if bare.equations.simulated else _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1))
         here = dataclasses.replace(near.best_fitted(strong, PASS_STEPS).hypothesis, fits_cycles=True)
-        visited.append((frozenset(identity(space.candidates[c]) for c, _ in strong), here))
+        visited.append((frozenset(space.candidates[c].identity for c, _ in strong), here))
         space.forget()
     space.known = {}
     best = among_rivals(space, explore(space, [best]))
@@ -132,7 +134,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Poster
     if not settled:
         best, fitted = most_likely_visited(space, best, fitted, visited)
     fitted = likeliest_shapes(space, best, fitted)
-    return Posterior(space, best, fitted, near.noise, settled, space.known, earlier=earlier)
+    return Posterior(space, best, fitted, settled, space.known, earlier=earlier)
 
 
 def most_likely_visited(
@@ -146,7 +148,7 @@ def most_likely_visited(
         fitted: the fit of that one, under whose weights all are fitted.
         visited: structures of earlier passes, and where their fits ended.
     """
-    place = {identity(candidate): c for c, candidate in enumerate(space.candidates)}
+    place = {candidate.identity: c for c, candidate in enumerate(space.candidates)}
     most = log_posterior(space, best, fitted)
     for places, there in visited:
         if not places <= place.keys():
@@ -188,7 +190,7 @@ def _in_tolerance(fitted: Hypothesis, start: Hypothesis) -> Hypothesis:
 
 def _best_here(space: Space, stands: Structure) -> Structure:
     """The best structure at a linearisation, under the model error that it leaves."""
-    space.under(_no_model_error(space))
+    space.under(ModelError.of(np.zeros(space.seen.valid.size), space.seen))  # the noise of the sensors alone
     space.under(ModelError.of(space.left(stands), space.seen))
     best, seen = stands, set[Structure]()
     for _ in range(MODEL_ERROR_ROUNDS):
@@ -200,12 +202,6 @@ def _best_here(space: Space, stands: Structure) -> Structure:
     return best
 
 
-def _no_model_error(space: Space) -> ModelError:
-    """No model error: what is left is the sensors' noise."""
-    one = np.ones(len(space.seen.count))
-    return ModelError(one, one, space.seen.count)
-
-
 def _strong(space: Space, best: Structure, stands: Structure, least: float) -> Structure:
     """The structure without new effects that are weak compared with the strongest new one.
 
@@ -215,11 +211,6 @@ def _strong(space: Space, best: Structure, stands: Structure, least: float) -> S
     lost = {each: value - space.value(best - {each}) for each in sorted(best - stands)}
     most = max(lost.values(), default=0.0)
     return best - {each for each, loss in lost.items() if loss < least * most}
-
-
-def identity(candidate: Candidate) -> tuple[object, ...]:
-    """Kind and place of a candidate, whatever its numbers are."""
-    return (candidate.kind, *sorted(candidate.place.items()))
 
 
 def _nonlinear(space: Space, structure: Structure) -> set[int]:

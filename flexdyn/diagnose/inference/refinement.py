@@ -22,8 +22,9 @@ def refined(space: Space, structure: Structure) -> Structure:
         for c, _ in sorted(structure):
             candidate = space.candidates[c]
             if candidate.choices > 1 and candidate.proposal is not None:
-                axes += len(candidate.moved_axes)
-                for axis in candidate.moved_axes:
+                moved = candidate.moved_axes if candidate.points[0] else ()  # what stands has no grid
+                axes += len(moved)
+                for axis in moved:
                     here = _best_along(space, here, c, axis)
         if axes < 2 or space.value(here) - before < NEGLIGIBLE_GAIN:
             break

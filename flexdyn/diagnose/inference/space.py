@@ -16,7 +16,7 @@ from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.model_error import ModelError, Seen
 from flexdyn.diagnose.inference.priors import EVERY_MOTOR
 from flexdyn.diagnose.inference.structure_prior import log_harmonic, log_places
-from flexdyn.diagnose.inference.torque_shares import contained, share_apart, torque_share
+from flexdyn.diagnose.inference.torque_shares import share_apart, torque_share
 from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.effects import Effect, JointEffect
 
@@ -79,10 +79,14 @@ class Space:
         parts = [self.candidates[c].columns[p] for c, p in sorted(structure)]
         return np.concatenate([np.zeros(0, np.intp), *parts]).astype(np.intp)
 
+    def estimate(self, structure: Structure) -> Estimate:
+        """The posterior of a structure's coefficients, of its own columns alone."""
+        return self.gram.estimate(self.columns(structure))
+
     def value(self, structure: Structure) -> float:
         """Log posterior of a structure, not normalised, the size of its model error the most likely one; remembered."""
         if structure not in self.known:
-            own = self.gram.estimate(self.columns(structure))
+            own = self.estimate(structure)
             rest = self.log_volume(structure, own) + self.log_large(structure, own)
             self.known[structure] = self.log_density(own) + rest
         return self.known[structure]
@@ -108,7 +112,7 @@ class Space:
             structure: candidates with their grid points.
             own: its coefficients; None: they are estimated.
         """
-        own = own or self.gram.estimate(self.columns(structure))
+        own = own or self.estimate(structure)
         return own.log_volume + self.log_prior(structure) + self._log_positive(structure, own)
 
     def _log_positive(self, structure: Structure, own: Estimate) -> float:
@@ -182,7 +186,7 @@ class Space:
 
     def _made(self, structure: Structure, c: int) -> tuple[Indices, Array]:
         """Columns and coefficients of a candidate of a structure (k,)."""
-        own = self.gram.estimate(self.columns(structure))
+        own = self.estimate(structure)
         columns = self.candidates[c].columns[dict(structure)[c]]
         place = {int(k): value for k, value in zip(own.columns, own.mean, strict=True)}
         return columns, np.array([place[int(k)] for k in columns])
@@ -199,7 +203,11 @@ class Space:
     @lazy
     def contained(self) -> dict[int, tuple[int, ...]]:
         """The plainer laws at the same place that each candidate contains."""
-        return contained(self.candidates)
+        plain = [
+            [k for k, other in enumerate(self.candidates) if other.kind in each.law.plainer and other.spot == each.spot]
+            for each in self.candidates
+        ]
+        return {c: tuple(k for k in inside if self.candidates[k].stands is None) for c, inside in enumerate(plain)}
 
     def best(self) -> Structure:
         """The most likely of those compared."""
@@ -270,6 +278,6 @@ class Space:
 
     def left(self, structure: Structure) -> Array:
         """What a structure leaves, white but for the model error (rows,)."""
-        columns, mean = self.gram.with_base(self.gram.estimate(self.columns(structure)))
+        columns, mean = self.gram.with_base(self.estimate(structure))
         products = self.matrix.products
         return np.asarray((products.sum(columns, mean) - products.y).T.ravel())

@@ -38,12 +38,3 @@ def share_apart(gram: Gram, columns: Indices, mean: Array, others: Sequence[Indi
     cross = between(there, columns) @ mean
     explained = float(cross @ np.linalg.lstsq(between(there, there), cross, rcond=1e-9)[0])
     return math.sqrt(min(max(1.0 - explained / max(whole, 1e-300), 0.0), 1.0))
-
-
-def contained(candidates: Sequence[Candidate]) -> dict[int, tuple[int, ...]]:
-    """The plainer laws of the catalogue at the same place that each candidate contains, by their places in the list."""
-    found = {}
-    for c, each in enumerate(candidates):
-        plain = [k for k, other in enumerate(candidates) if other.kind in each.law.plainer and other.spot == each.spot]
-        found[c] = tuple(k for k in plain if candidates[k].stands is None)
-    return found
