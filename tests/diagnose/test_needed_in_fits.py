@@ -43,8 +43,9 @@ def test_what_is_there_is_missed_and_what_is_not_is_left_out(found: Posterior) -
     odds = {frozenset(c for c, _ in rest): each for rest, _, each in made.by_fits}
     assert made.best == found.best
     assert [effect.name for effect in made.fitted.hypothesis.effects] == ["coulomb_friction"]
-    assert odds[frozenset({friction[0]})] == 1.0
+    assert odds[frozenset({friction[0]})] > 1.0
     assert odds[frozenset({offset[0]})] < 1e-6
+    assert list(made.left_out) == [offset[0]]
     assert made.fitted.reached == pytest.approx(needed_in_fits(found).fitted.reached, rel=1e-4)
 
 
@@ -94,6 +95,17 @@ def test_one_of_two_that_fits_do_not_need_is_an_a_or_b() -> None:
     alone, either = names(weighed, frozenset({0, 1}))
     assert (alone.rivals, alone.established) == ((), True)
     assert (either.rivals, either.established) == ((2,), True)
+
+
+def test_what_fits_leave_out_is_not_believed_elsewhere() -> None:
+    """The promise for it is taken off every set; what the equations say of the others stays, and their A or B."""
+    sets = {(0, 1, 2): 9.0, (0, 1): 4.0, (0, 2): 8.5, (0,): 3.5, (3, 1): 3.5, (3, 1, 2): 8.5}
+    known = {frozenset((c, 0) for c in mine): value for mine, value in sets.items()}
+    whole, left = frozenset({0, 1, 2}), frozenset({(0, 0), (1, 0)})
+    made = Masses.of(known).without({2: 5.0 + 7.0}).by_fits([(left, whole, float(np.exp(7.0)))])
+    assert made.of_any([2]) < 0.01
+    assert made.sets[0] == frozenset({0, 1})
+    assert made.of_any([3]) / made.of_any([0]) == pytest.approx(np.exp(3.5 - 4.0) / (1.0 + np.exp(-0.5)), rel=0.01)
 
 
 def test_fits_count_where_they_tell_more() -> None:

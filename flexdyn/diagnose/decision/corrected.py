@@ -181,7 +181,7 @@ def _masses(found: Posterior) -> Masses:
     of them. Of the structures at other linearisations, only effects of the present best structure count, laws that
     contain them or that they contain, and what could take their place here or along the motion.
     """
-    space, masses = found.space, Masses.of(found.known).by_fits(found.by_fits)
+    space, masses = found.space, Masses.of(found.known).without(found.left_out).by_fits(found.by_fits)
     best = frozenset(c for c, _ in found.best)
     alike = best | {c for c, inside in space.contained.items() if best & set(inside)}
     alike |= {each for c in best for each in (*space.contained[c], *standing_in(masses, best, {c}))}

@@ -51,6 +51,18 @@ class Masses:
         masses = np.array(list(probability.values()))
         return Masses((*self.sets, *new), structures, log, masses / masses.sum())
 
+    def without(self, left_out: Mapping[int, float]) -> Masses:
+        """The same with some candidates less likely, the most probable first again.
+
+        Args:
+            left_out: by how much, in the logarithm, of every set that holds the candidate.
+        """
+        less = np.array([math.fsum(left_out.get(c, 0.0) for c in mine) for mine in self.sets])
+        weight = self.probability * np.exp(less.min() - less)
+        order = np.argsort(-weight, kind="stable").tolist()
+        sets, structures = (tuple(each[k] for k in order) for each in (self.sets, self.structures))
+        return Masses(sets, structures, (self.log - less)[order], weight[order] / weight.sum())
+
     def by_fits(self, tried: Sequence[tuple[Structure, Set, float]]) -> Masses:
         """The same where fits make sets more likely than they are here, the most probable first again.
 

@@ -6,6 +6,7 @@ import dataclasses
 import math
 
 from flexdyn.diagnose.constants import OCCAM_WINDOW
+from flexdyn.diagnose.decision.fitted_structure import LARGEST_LOG_ODDS
 from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
@@ -19,7 +20,8 @@ def needed_in_fits(found: Posterior) -> Posterior:
 
     The linear equations may promise much for a candidate that takes up the error of another one's linearisation. A fit
     without it then leaves as little. The candidate without which a fit is most likely is left out, and again, until all
-    are missed. Every structure that was tried keeps its odds: of two candidates of which a fit needs one, "A or B".
+    are missed. What the equations promise for it is not believed in other structures either. Every structure that was
+    tried keeps its odds: of two candidates of which a fit needs one, "A or B".
 
     Args:
         found: the posterior, whose best structure is fitted to the equations.
@@ -27,6 +29,7 @@ def needed_in_fits(found: Posterior) -> Posterior:
     space, best = found.space, found.best
     made = carried_on(space, best, found.fitted)
     odds: list[tuple[Structure, frozenset[int], float]] = []
+    left_out: dict[int, float] = {}
     doubtful = sorted(best)
     while doubtful:
         here = log_posterior(space, best, made)
@@ -38,12 +41,13 @@ def needed_in_fits(found: Posterior) -> Posterior:
             values[each], other = fit_if_likely(space, best - {each}, start, made, here - OCCAM_WINDOW)
             if values[each] >= values[least] and other is not None:
                 least, rest = each, other
-        odds += [(best - {each}, whole, math.exp(min(0.0, value - here))) for each, value in values.items()]
+        odds += [(best - {x}, whole, math.exp(min(value - here, LARGEST_LOG_ODDS))) for x, value in values.items()]
         if rest is None or values[least] <= here:
             break
+        left_out[least[0]] = space.value(best) - space.value(best - {least}) + values[least] - here
         best, made = best - {least}, rest
         doubtful = [each for each in doubtful if each != least and values[each] > here - OCCAM_WINDOW]
-    return dataclasses.replace(found, best=best, fitted=made, by_fits=tuple(odds))
+    return dataclasses.replace(found, best=best, fitted=made, by_fits=tuple(odds), left_out=left_out)
 
 
 def _hypothesis_without(here: Hypothesis, candidate: Candidate) -> Hypothesis:

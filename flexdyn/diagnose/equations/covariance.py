@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from flexdyn import _core
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.filters import Filters
-from flexdyn.diagnose.equations.computed_positions import acting_on
+from flexdyn.diagnose.equations.computed_positions import LEAST_TRANSMITTED, acting_on
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.held_torque import HELD
 from flexdyn.diagnose.equations.hidden_links import hidden_links_error, noise_of_vibration
@@ -133,14 +133,16 @@ def _kernels(filters: Filters, twice: bool) -> dict[str, list[Array]]:
 def coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, dict[int, Terms]]:
     """C by channel, order of derivative and equation, in units of its rows; those that are zero are left out."""
     M = along.inertias(equations.filters).transpose(1, 2, 0).copy()
+    shares = [1.0 + lost_share(equations, along, i) for i in range(equations.true.n)]
     found: dict[Channel, dict[int, Terms]] = {}
     # Positions that are computed from a limited torque are right to first order only: they err by as much as its noise.
     exact = not equations.computed.any()
     given = [passed_torque(equations, along, i) if exact else gain for i, gain in enumerate(equations.gains)]
     for row, (j, kind) in enumerate(equations.kinds):
-        own = _own_coefficients(equations, along, j, kind)
+        own = _own_coefficients(equations, along, j, kind, shares[j])
         unit = {LINK: equations.softness[j], MOTOR: equations.gains[j], TOTAL: equations.gains[j]}.get(kind, 1.0)
-        for channel, order, value in (*own, *(_links(equations, along, M, j, kind) if kind in (LINK, TOTAL) else ())):
+        links = _links(equations, along, M, j, kind, shares) if kind in (LINK, TOTAL) else ()
+        for channel, order, value in (*own, *links):
             if np.any(value):
                 rows = found.setdefault(channel, {}).setdefault(order, {})
                 true = given[channel[1]] if channel[0] == "tau" else 1.0
@@ -159,18 +161,47 @@ def passed_torque(equations: Equations, along: SmoothedMotion, j: int) -> Coeffi
     return np.sqrt(np.maximum(equations.filters.rows(slope**2), 0.0))
 
 
+def lost_share(equations: Equations, along: SmoothedMotion, j: int) -> Coefficient:
+    """Friction of a motor over the torque that its spring carries, of laws that take the load (times,) [1].
+
+    Such a law is proportional to the load, with a sign for each direction of power.
+    """
+    true = equations.true
+    loaded = [e for e in acting_on(true, j) if e.takes_load and e.side == "motor"] if true.elastic[j] else []
+    if not loaded:
+        return 0.0
+    carried = true.stiffness[j] * along.delta[:, j]
+    lost = sum(e.torque(along.theta[:, j], along.omega[:, j], t=along.t, tau=carried) for e in loaded)
+    share = np.divide(lost, carried, out=np.zeros_like(carried), where=carried != 0.0)
+    return equations.filters.rows(np.maximum(share, LEAST_TRANSMITTED - 1.0))
+
+
 def _own_coefficients(
-    equations: Equations, along: SmoothedMotion, j: int, kind: str
+    equations: Equations, along: SmoothedMotion, j: int, kind: str, share: Coefficient
 ) -> Iterator[tuple[Channel, int, Coefficient]]:
-    """Coefficients of a joint's torques, transmission and rotor in one of its equations."""
+    """Coefficients of a joint's torques, transmission and rotor in one of its equations.
+
+    Args:
+        equations: that have the row.
+        along: the motion.
+        j: the joint.
+        kind: of the row.
+        share: torque that the motor must give over that which the spring carries [1].
+    """
     model = equations.true
     K, D = model.stiffness[j], model.damping[j]
+    passed = 1.0 / share if equations.computed[j] and not along.data.has_q[j] else 1.0  # of the motor's torque
     if kind in (MOTOR, TOTAL):
-        yield ("tau", j), 0, 1.0
+        yield ("tau", j), 0, passed
         yield ("theta" if along.data.has_theta[j] else "q", j), 1, -sum(law.back_emf for law in equations.motors[j])
     if kind == SENSOR:
         yield ("tau_s", j), 0, 1.0
-    bent = {MOTOR: (-K, -D), LINK: (K, D), TRANSMISSION: (1.0,), SENSOR: (-K,) if model.elastic[j] else ()}
+    bent = {
+        MOTOR: (-K * share, -D * share),
+        LINK: (K, D),
+        TRANSMISSION: (1.0,),
+        SENSOR: (-K,) if model.elastic[j] else (),
+    }
     for order, value in enumerate(bent.get(kind, ())):
         yield ("q", j), order, -value
         yield ("theta", j), order, value
@@ -179,29 +210,40 @@ def _own_coefficients(
 
 
 def _links(
-    equations: Equations, along: SmoothedMotion, M: Array, j: int, kind: str
+    equations: Equations, along: SmoothedMotion, M: Array, j: int, kind: str, shares: Sequence[Coefficient]
 ) -> Iterator[tuple[Channel, int, Coefficient]]:
-    """The links' accelerations in one equation: measured, or computed from those of the rotors."""
+    """The links' accelerations in one equation: measured, or computed from those of the rotors.
+
+    Args:
+        equations: that have the row.
+        along: the motion.
+        M: mass matrices (n, n, times).
+        j: the joint.
+        kind: of the row.
+        shares: torque that each motor must give over that which its spring carries [1].
+    """
     model = equations.true
+    taken = shares[j] if kind == TOTAL and not along.data.has_theta[j] else 1.0  # friction takes what the links need
     has_q, has_theta = along.data.has_q, along.data.has_theta
     K, D, J = model.stiffness, model.damping, model.rotor_inertia
     moves = ~along.resting[equations.filters.instants(len(along.t))]
     for i in range(model.n):
         if model.elastic[i] and not has_q[i]:
             yield ("theta", i), 2, -M[j, i]
-            soft = np.where(moves[:, i], M[j, i] / K[i], 0.0)  # of a resting joint the load is known, and smoothed
+            # Of a resting joint the load is known, and smoothed.
+            soft = np.where(moves[:, i], M[j, i] / (K[i] * shares[i]), 0.0)
             yield ("theta", i), 4, -soft * J[i]
             yield ("tau", i), 2, soft
             yield ("theta", i), 5, soft * D[i] * J[i] / K[i]
             yield ("tau", i), 3, -soft * D[i] / K[i]
             continue
         channel = ("q" if has_q[i] else "theta", i)
-        yield channel, 2, -M[j, i]
+        yield channel, 2, -M[j, i] * taken
         if kind == TOTAL and model.elastic[j] and not has_theta[j]:
             yield channel, 4, -M[j, i] * J[j] / K[j]
             yield channel, 5, M[j, i] * J[j] * D[j] / K[j] ** 2
     if kind == TOTAL and model.elastic[j]:
-        yield ("theta" if has_theta[j] else "q", j), 2, -J[j]
+        yield ("theta" if has_theta[j] else "q", j), 2, -J[j] / (shares[j] if not has_q[j] else 1.0)
     elif kind == TOTAL and has_q[j] and has_theta[j]:  # M includes the rotor, whose acceleration follows from theta
         yield ("theta", j), 2, -J[j]
         yield ("q", j), 2, J[j]
@@ -254,43 +296,46 @@ def freest(equations: Equations, along: SmoothedMotion, j: int) -> Flags:
     return np.asarray(power >= 0.5 * power.max())
 
 
-def variances(
-    equations: Equations, noise: SampleNoise, row: int, j: int, *, second: bool = True
-) -> tuple[float, float]:
-    """Variance of one equation's rows from all channels except tau_j, and from tau_j with unit variance.
-
-    It is the median over the rows of the first recording in which the motor's limits pass most of the torque's noise.
+def row_variances(
+    equations: Equations, along: SmoothedMotion, noise: SampleNoise, row: int, j: int, *, second: bool
+) -> tuple[Array, Array]:
+    """Variances of one equation's rows from all channels except tau_j, and from tau_j with unit variance (times,) each.
 
     Args:
         equations: that have the rows.
+        along: motion of one recording.
         noise: of the channels.
         row: index of the equation in `kinds`.
         j: joint of the torque.
         second: whether to use second differences of the rows instead of the rows.
     """
-    kernels = kernels_of(equations)
-    along = equations.motions[0]
-    every = equations.filters.every
+    kernels, every = kernels_of(equations), equations.filters.every
     weights = {-2: 1.0, -1: -4.0, 0: 6.0, 1: -4.0, 2: 1.0} if second else {0: 1.0}
-    totals, free = [0.0, 0.0], freest(equations, along, j)
+    totals = np.zeros((2, equations.filters.count(len(along.t))))
     for (signal, i), orders in coefficients(equations, along).items():
         mine = signal == "tau" and i == j
         variance = 1.0 if mine else float(getattr(noise, signal)[i]) ** 2
         own = kernels[signal]
         for o, later in orders.items():
             for p, now in orders.items():
-                products = np.broadcast_to(later.get(row, 0.0) * now.get(row, 0.0), free.shape)
-                size = float(np.median(products[free])) * variance
                 R = sum(w * _correlation(own[o], own[p], lag * every) for lag, w in weights.items())
-                totals[mine] += size * R
+                totals[int(mine)] += later.get(row, 0.0) * now.get(row, 0.0) * (variance * R)
     return totals[0], totals[1]
+
+
+def variances(equations: Equations, noise: SampleNoise, row: int, j: int) -> tuple[float, float]:
+    """Medians of `row_variances` over the rows of the first recording that show most of the torque's noise."""
+    along = equations.motions[0]
+    free = freest(equations, along, j)
+    others, unit = row_variances(equations, along, noise, row, j, second=False)
+    return float(np.median(others[free])), float(np.median(unit[free]))
 
 
 def vibration_rules(equations: Equations, noise: SampleNoise) -> bool:
     """Whether encoder noise that makes simulated links vibrate is more of some row's noise than all other noise."""
     extra = noise_of_vibration(equations, noise.theta, kernels_of(equations)["theta"][0])
     for place, (j, _) in enumerate(equations.kinds):
-        others, unit = variances(equations, noise, place, j, second=False)
+        others, unit = variances(equations, noise, place, j)
         if extra[place] > others + unit * float(noise.tau[j]) ** 2:
             return True
     return False
@@ -300,7 +345,7 @@ def encoders_rule(equations: Equations, noise: SampleNoise) -> bool:
     """Whether in some motor's equation the encoders cause more noise than the torque."""
     for place, (j, kind) in enumerate(equations.kinds):
         if kind in (MOTOR, TOTAL):
-            others, unit = variances(equations, noise, place, j, second=False)
+            others, unit = variances(equations, noise, place, j)
             if others > unit * float(noise.tau[j]) ** 2:
                 return True
     return False

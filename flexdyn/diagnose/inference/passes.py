@@ -62,6 +62,7 @@ class Posterior:
             since it began; if the search did not settle, all but that at the file's numbers.
         expected: kinds of effects that the user expects of this drive.
         by_fits: structures, each with a set that has one candidate more or one other, and the odds to that by fits.
+        left_out: candidates without which a fit is more likely: log odds by it, and what the equations promised [1].
     """
 
     space: Space
@@ -72,6 +73,7 @@ class Posterior:
     expected: tuple[str, ...] = ()
     earlier: tuple[Places, ...] = ()
     by_fits: tuple[tuple[Structure, frozenset[int], float], ...] = ()
+    left_out: Mapping[int, float] = dataclasses.field(default_factory=dict)
 
     @property
     def noise(self) -> SampleNoise:

@@ -112,4 +112,6 @@ def reweighed(
     if not here.shot.is_noise() or (few and unlike_noise(here.shot)):
         return None
     # The windows have decided between what the linearisations did not agree about.
-    return dataclasses.replace(found, best=best, fitted=here.made, known=simulated.known, earlier=(), by_fits=())
+    return dataclasses.replace(
+        found, best=best, fitted=here.made, known=simulated.known, earlier=(), by_fits=(), left_out={}
+    )
