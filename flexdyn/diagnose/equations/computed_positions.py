@@ -16,6 +16,9 @@ from flexdyn.simulation.link_side import LinkSide
 
 STEEP_SPRING_ROUNDS, STEEP_SPRING_STEP, STEEPEST_SPRING = 8, 1e-4, 10.0
 """Newton's method: steps, relative difference for slopes, and largest ratio of slopes to the spring's stiffness."""
+BENT_ROUNDS = 3
+"""Rounds by which the rotor's position is found where its own wave bends the spring; each is better by amplitude times
+harmonic."""
 LEAST_TRANSMITTED = 0.1
 """Share of its load that a gear turned by it must transmit for the motor's torque to tell the load [1]."""
 
@@ -67,12 +70,18 @@ def computed_positions(
         rubbing = friction_of(model, j, "motor", smooth_theta[:, j], omega[:, j], t)
         given = smooth_tau[:, j] - model.rotor_inertia[j] * alpha[:, j] - rubbing
         carried = _carried(model, j, given, smooth_theta[:, j], omega[:, j], t)
-        smooth_q[:, j] -= _wound_by_torque(model, j, rests.instead(j, total[:, j], carried) if rests else carried)
+        bent, slope = _bent_by_rotor(model, j, theta[:, j], kernel)
+        carried = rests.instead(j, total[:, j], carried / slope) if rests else carried / slope
+        smooth_q[:, j] += bent - _wound_by_torque(model, j, carried)
     if only_link.any():
         total = shared.torques(links, smooth_q, v, a)
         for j in np.flatnonzero(only_link).tolist():
             rubbing = friction_of(model, j, "link", smooth_q[:, j], v[:, j], t)
-            smooth_theta[:, j] = smooth_q[:, j] + _wound_by_torque(model, j, total[:, j] + rubbing)
+            straight = smooth_q[:, j] + _wound_by_torque(model, j, total[:, j] + rubbing)
+            smooth_theta[:, j], rotor = straight, theta[:, j].copy()
+            for _ in range(BENT_ROUNDS):
+                rotor[kernel.half : len(rotor) - kernel.half] += smooth_theta[:, j] - kernel.apply(rotor, 0)
+                smooth_theta[:, j] = straight - _bent_by_rotor(model, j, rotor, kernel)[0]
     return smooth_q, smooth_theta
 
 
@@ -91,6 +100,24 @@ def _carried(model: FlexibleJointModel, j: int, given: Array, theta: Array, omeg
     lost = sum((torque_of(each, theta, omega, t=t, tau=given) for each in loaded), np.zeros_like(given))
     kept = 1.0 + np.divide(lost, given, out=np.zeros_like(given), where=given != 0.0)
     return np.where(kept > LEAST_TRANSMITTED, given / np.maximum(kept, LEAST_TRANSMITTED), given)
+
+
+def _bent_by_rotor(model: FlexibleJointModel, j: int, theta: Array, kernel: GaussianSmoother) -> tuple[Array, Array]:
+    """What the rotor's position adds to the deflection of the spring, and 1 plus its slope, after the filter.
+
+    A fast wave of the filtered position would be larger than the filtered wave.
+
+    Args:
+        model: resolved.
+        j: the joint.
+        theta: position of the rotor before the filter (samples,).
+        kernel: the first filter.
+    """
+    bends = [e for e in acting_on(model, j) if isinstance(e, DeflectionEffect) and e.of_rotor]
+    still = np.zeros_like(theta)
+    bent = sum((each.deflection(still, theta) for each in bends), still)
+    slope = 1.0 + sum((each.slope(theta) for each in bends), still)
+    return kernel.apply(bent, 0), kernel.apply(slope, 0)
 
 
 def _wound_by_torque(model: FlexibleJointModel, j: int, carried: Array) -> Array:

@@ -72,6 +72,20 @@ def of_lag_shape(equations: Equations, effect: SensorEffect) -> Array:
     return equations.of_terms(j, torques)
 
 
+def of_hold_shape(equations: Equations, j: int) -> Array:
+    """Change of the rows (rows,) by what a joint's torque did between its samples: ``dt^2/12 tau''``.
+
+    Taken as held, it is right to second order if the drive held it. A logger may have stored the mean of a faster
+    command: then it is smoother than it is taken for, by a filter of the variance ``dt^2/12``; or one of its values.
+    """
+
+    def torques(along: SmoothedMotion) -> Torques:
+        ahead = centred(along.data.tau[:, j])
+        return along.dt**2 / 12.0 * _smoothed(equations, along, ahead, 2), None, None
+
+    return equations.of_terms(j, torques)
+
+
 def _true(effect: SensorEffect, data: Measured, seen: Array) -> Array:
     if effect.late_by and effect.signal == "tau":
         return np.asarray(np.interp(data.t + effect.lateness, data.t, seen))

@@ -17,7 +17,7 @@ from flexdyn.diagnose.equations.covariance import SampleNoise, encoders_rule, vi
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.hidden_links import of_first_states
 from flexdyn.diagnose.equations.mask import sign_mask
-from flexdyn.diagnose.equations.sensor_columns import of_lag_shape
+from flexdyn.diagnose.equations.sensor_columns import of_hold_shape, of_lag_shape
 from flexdyn.diagnose.hypothesis import number_columns
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Workspace
@@ -44,7 +44,7 @@ class Unweighted:
         equations: that have the slopes.
         numbers: by the file's numbers (rows, numbers).
         offsets: by an offset of one count of each encoder, because rounding is unknown, by the first states of
-            simulated links, and by the shapes of lags of torques (rows, channels + states + lags).
+            simulated links, and by the shapes of torques and of their lags (rows, channels + states + shapes).
         channels: of these encoders.
         states: standard deviations of these first states (states,).
         along: the equations along whose motion the slopes are; None: `equations`.
@@ -62,11 +62,11 @@ class Unweighted:
         """Slopes by these numbers of the file; those by offsets at other equations, if given (`with_offsets_of`)."""
         channels = equations.data[0].encoders(equations.true.joint_names)
         states, sigma = of_first_states(equations)
-        unknown = np.column_stack([*_of_offsets(at or equations, channels), states, *_of_lags(at or equations)])
+        unknown = np.column_stack([*_of_offsets(at or equations, channels), states, *_of_shapes(at or equations)])
         return cls(equations, number_columns.of_numbers(equations, tuple(numbers)), unknown, channels, sigma)
 
     def with_offsets_of(self, at: Equations) -> Unweighted:
-        """The same with the slopes of other equations by lags of torques and by encoders' offsets.
+        """The same with the slopes of other equations by shapes of torques and by encoders' offsets.
 
         A spring that hardens feels an offset more. Without springs offsets act on gravity and inertia alone, which
         effects hardly change.
@@ -75,7 +75,7 @@ class Unweighted:
         offsets, states = list(self.offsets[:, :first].T), self.offsets[:, first : first + len(self.states)]
         if at.true.elastic.any():
             offsets = _of_offsets(at, self.channels)
-        return dataclasses.replace(self, offsets=np.column_stack([*offsets, states, *_of_lags(at)]))
+        return dataclasses.replace(self, offsets=np.column_stack([*offsets, states, *_of_shapes(at)]))
 
 
 @kept
@@ -83,10 +83,12 @@ def _of_offsets(equations: Equations, channels: tuple[str, ...]) -> list[Array]:
     return [columns.of_effect(equations, count_of(name, 1e-6), 1e-6) for name in channels]
 
 
-def _of_lags(equations: Equations) -> list[Array]:
-    """Slopes by what each lag of a torque is, of a delay or a low pass: no record says so beforehand."""
+def _of_shapes(equations: Equations) -> list[Array]:
+    """Slopes by what no record says of torques: whether they were held, and whether a lag is a delay or a low pass."""
     errors = [each for each in equations.model.effects if isinstance(each, SensorEffect) and each.signal == "tau"]
-    return [of_lag_shape(equations, each) for each in errors if each.lateness > 0.0]
+    lags = [of_lag_shape(equations, each) for each in errors if each.lateness > 0.0]
+    recorded = [j for j, laws in enumerate(equations.motors) if not laws and not equations.data[0].forced[j]]
+    return [*(of_hold_shape(equations, j) for j in recorded), *lags]
 
 
 def prepared(
