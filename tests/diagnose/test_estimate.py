@@ -64,7 +64,7 @@ def least(space: Workspace, start: Hypothesis) -> float:
         white = space.whiten(at.residual) + space.nuisance @ counts
         return np.concatenate([white, (x[: len(numbers)] - 1.0) / sigma, counts / space.nuisance_sigma])
 
-    first = np.concatenate([np.ones(len(numbers)), np.zeros(len(space.channels))])
+    first = np.concatenate([np.ones(len(numbers)), np.zeros(space.nuisance.shape[1])])
     scale = np.concatenate([np.full(len(numbers), 0.01), space.nuisance_sigma])
     return 2.0 * float(least_squares(rows, first, x_scale=scale, xtol=1e-12, ftol=1e-12, gtol=1e-12).cost)
 
