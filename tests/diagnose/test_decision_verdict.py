@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from flexdyn.diagnose.decision.verdict import is_noise, quantities, verdict
-from flexdyn.diagnose.report.measures import Left
+from flexdyn.diagnose.decision.verdict import is_noise, quantities, simulations_tell, verdict
+from flexdyn.diagnose.report.measures import Gap, Left
 
 
 @pytest.mark.parametrize(
@@ -29,6 +29,13 @@ def test_without_windows_the_equations_decide() -> None:
     """Test data shorter than a window still have rows."""
     assert is_noise(None, ())
     assert not is_noise(None, (Left("elbow", 0.02, 0.1),))
+
+
+def test_simulations_that_noise_rules_tell_nothing() -> None:
+    """Those of a right model are off by about as much as noise makes, whatever the given one was."""
+    assert simulations_tell(Gap(before=196.0, calibrated=196.0, after=1.1, floor=1.0))
+    assert simulations_tell(Gap(before=0.9, calibrated=0.9, after=0.9, floor=1.1))
+    assert not simulations_tell(Gap(before=196.0, calibrated=196.0, after=60_000.0, floor=50_667.0))
 
 
 @pytest.mark.parametrize(

@@ -9,13 +9,17 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
-from flexdyn.diagnose.constants import CERTAIN_SIGMAS, LEFT_TORQUE_SHARE, NOISE_LEVEL_ERROR
+from flexdyn.diagnose.constants import CERTAIN_SIGMAS, LEFT_TORQUE_SHARE, NOISE_GAP, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.decision.gaps import Shots
 from flexdyn.diagnose.decision.model_rows import ModelRows, rms
 from flexdyn.diagnose.equations.layout import LINK, TRANSMISSION
-from flexdyn.diagnose.report.measures import Left, ResidualPlace
+from flexdyn.diagnose.report.measures import Gap, Left, ResidualPlace
 from flexdyn.diagnose.report.result import Verdict
 
+NOISE_RULES = (
+    "Noise moves simulations with the corrected model farther than the given model is off: a joint has a spring that "
+    "is nearly rigid. The gap says nothing; torque errors do."
+)
 QUANTITY = re.compile(r"abs\((\w+(?: of \w+)?)\)|\b(q|v|omega|t)\b(?= [<>b])|(after a reversal)")
 
 
@@ -24,13 +28,27 @@ def is_noise(shots: Shots | None, left: Sequence[Left]) -> bool:
 
     The gap of all windows but the tenth that is farthest off is that of a perfect model, and no joint's equations leave
     more than 1 % of its torque. Noise decides when a joint sticks, so a few windows of a right model may be far off; if
-    there are more, something is missing, such as an end stop that is seldom touched.
+    there are more, something is missing, such as an end stop that is seldom touched. Simulations that noise moves
+    farther than the given model is off tell nothing: see `simulations_tell`.
 
     Args:
         shots: windows; None: the data are too short for one, and the equations alone decide.
         left: what the equations of the corrected model leave, joints with 1 % of their torque or more.
     """
-    return not left and (shots is None or shots.after.is_mostly_noise(shots.gap.floor))
+    if shots is None:
+        return not left
+    return not left and simulations_tell(shots.gap) and shots.after.is_mostly_noise(shots.gap.floor)
+
+
+def simulations_tell(gap: Gap) -> bool:
+    """Whether noise moves simulations with the corrected model less than the given model is off, or hardly at all.
+
+    A spring as stiff as a rigid joint turns the rounding of a position into a large torque.
+
+    Args:
+        gap: of some data.
+    """
+    return gap.floor <= max(gap.before, NOISE_GAP)
 
 
 def verdict(*, named: bool, noise: bool | None, converged: bool) -> Verdict:
