@@ -10,10 +10,11 @@ import pytest
 import flexdyn as fd
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured, measured
-from flexdyn.diagnose.equations.covariance import SampleNoise, coefficients, whitener
+from flexdyn.diagnose.equations.covariance import SampleNoise, whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.expected import expected_data, onto_samples
 from flexdyn.diagnose.equations.mask import sign_mask
+from flexdyn.diagnose.equations.noise_coefficients import coefficients
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.linear import linearised, reached

@@ -11,11 +11,12 @@ import flexdyn as fd
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.computed_positions import acting_on
-from flexdyn.diagnose.equations.covariance import coefficients, passed_torque, whitener
+from flexdyn.diagnose.equations.covariance import whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.held_torque import centred
 from flexdyn.diagnose.equations.match import match
 from flexdyn.diagnose.equations.noise import torque_noise
+from flexdyn.diagnose.equations.noise_coefficients import coefficients, passed_torque
 from flexdyn.diagnose.equations.terms import applied_torque, torque_slope
 from flexdyn.simulation.link_side import LinkSide
 from tests.arms import two_link

@@ -18,7 +18,7 @@ from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.notes import notes, statistics, unsettled_numbers
 from flexdyn.diagnose.decision.split import DataPart, Parts
 from flexdyn.diagnose.decision.suspects import considered, structures
-from flexdyn.diagnose.decision.verdict import NOISE_RULES, is_noise, simulations_tell, verdict
+from flexdyn.diagnose.decision.verdict import is_noise, verdict
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
@@ -73,7 +73,7 @@ def concluded(plain: Workspace, start: Hypothesis, compared: Posterior, found: C
         verdict=said,
         gap_fit=first.gap,
         where=() if said == "no_discrepancy" else first.where,
-        notes=(*notes(compared, found), *(() if first.gap is None or simulations_tell(first.gap) else (NOISE_RULES,))),
+        notes=notes(compared, found, first.gap),
         residuals=ordered_pictures(first.rows, found, named),
         fit=statistics(found.fitted),
         trajectories=tuple(each for on in drawn_data for each in compared_motions(on)),

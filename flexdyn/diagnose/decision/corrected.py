@@ -14,7 +14,7 @@ from flexdyn.diagnose.constants import ESTABLISHED, LEAST_IN_COMMON, PROMISED_DR
 from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.even_odds import told_by_data
 from flexdyn.diagnose.decision.masses import Masses
-from flexdyn.diagnose.decision.model_effects import effect_of, possible, with_elasticity
+from flexdyn.diagnose.decision.model_effects import possible, with_elasticity
 from flexdyn.diagnose.decision.model_rows import ModelRows
 from flexdyn.diagnose.decision.naming import Name, names, standing_in
 from flexdyn.diagnose.decision.one_law import completing
@@ -30,7 +30,7 @@ from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.odds_by_fits import squares_left
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.space import Space
-from flexdyn.diagnose.inference.structure_model import hypothesis_of
+from flexdyn.diagnose.inference.structure_model import effect_of, hypothesis_of
 from flexdyn.effects import Effect
 
 Share = Callable[[int], float]

@@ -11,7 +11,7 @@ from scipy.special import ndtr
 from flexdyn.diagnose.constants import ESTABLISHED, IN_TOLERANCE
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.gains import in_order
-from flexdyn.diagnose.decision.model_effects import effect_of, with_elasticity
+from flexdyn.diagnose.decision.model_effects import with_elasticity
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.significance import least_deviation
 from flexdyn.diagnose.decision.suspects import numbers_of, suspect_of
@@ -20,7 +20,7 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.structure_model import factor_of
+from flexdyn.diagnose.inference.structure_model import effect_of, factor_of
 from flexdyn.diagnose.report.measures import Calibration
 from flexdyn.diagnose.report.suspects import Finding, Number, Suspect
 from flexdyn.diagnose.report.words import effect_name, joined

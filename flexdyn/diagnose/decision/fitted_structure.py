@@ -10,11 +10,11 @@ import numpy as np
 
 from flexdyn.arrays import Flags
 from flexdyn.diagnose.constants import EVEN_ODDS_WINDOW
-from flexdyn.diagnose.decision.model_effects import effect_of
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.linear import priors
 from flexdyn.diagnose.inference.odds_by_fits import squares_left
 from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.diagnose.inference.structure_model import effect_of
 
 LARGEST_LOG_ODDS = 300.0
 """Larger ones are certainty."""

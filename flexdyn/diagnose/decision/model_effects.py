@@ -5,14 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.effects import Effect, JointEffect
-
-
-def effect_of(candidate: Candidate, here: Hypothesis) -> Effect | None:
-    """A hypothesis' effect of a candidate's kind and place."""
-    proposal = candidate.proposal
-    return None if proposal is None else next((each for each in here.effects if proposal.is_of(each)), None)
 
 
 def without_effect(here: Hypothesis, effect: Effect | None) -> Hypothesis:

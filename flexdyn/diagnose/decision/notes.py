@@ -11,13 +11,14 @@ from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.findings import lags_within_a_sample
 from flexdyn.diagnose.decision.one_law import completing
 from flexdyn.diagnose.decision.suspects import suspect_of
+from flexdyn.diagnose.decision.verdict import simulations_tell
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.own_effects import own_effects
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.report.calibrated import estimate
 from flexdyn.diagnose.report.digits import estimate_text
-from flexdyn.diagnose.report.measures import Calibration, Statistics
+from flexdyn.diagnose.report.measures import Calibration, Gap, Statistics
 from flexdyn.diagnose.report.words import capital, effect_name, joined, number_phrase, suspect_phrase
 
 UNINFORMED_SHARE = 0.5
@@ -28,11 +29,21 @@ their standard deviations."""
 CORRELATION_TOLD, MOST_CORRELATIONS = 0.1, 40
 """Correlations that are reported: not below the first number [1], and at most the second one."""
 UNSETTLED = "The search did not settle: its last linearisation still changed the most probable structure."
+NOISE_RULES = (
+    "Noise moves simulations with the corrected model farther than the given model is off: a joint has a spring that "
+    "is nearly rigid. The gap says nothing; torque errors do."
+)
 METHOD = "Gauss-Newton, weighted by noise and model error, with the stated tolerances as priors"
 
 
-def notes(compared: Posterior, found: Corrected) -> tuple[str, ...]:
-    """One sentence for each thing that the data do not determine, that the prior decided, or that has not converged."""
+def notes(compared: Posterior, found: Corrected, gap: Gap | None) -> tuple[str, ...]:
+    """One sentence for each thing that the data do not determine, that the prior decided, or that has not converged.
+
+    Args:
+        compared: the posterior over structures.
+        found: the corrected model.
+        gap: on the data of the fit; None: they are too short for a window.
+    """
     failed = own_effects(compared.space.library.equations)[1]
     return (
         *_of_channels(compared),
@@ -42,6 +53,7 @@ def notes(compared: Posterior, found: Corrected) -> tuple[str, ...]:
         *_of_unknown(found),
         *_of_priors(found),
         *([] if compared.settled else [UNSETTLED]),
+        *([] if gap is None or simulations_tell(gap) else [NOISE_RULES]),
     )
 
 

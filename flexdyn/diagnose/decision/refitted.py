@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import dataclasses
 
-from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
+from flexdyn.diagnose.decision.model_effects import without_effect
 from flexdyn.diagnose.equations.columns import moves_links
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.inference.apart import beyond_noise
 from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.structure_model import effect_of
 from flexdyn.diagnose.inference.whitening import Tempered
 
 STEPS_WITHOUT = 6

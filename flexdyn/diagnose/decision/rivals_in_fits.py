@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from flexdyn.arrays import Flags
 from flexdyn.diagnose.constants import EVEN_ODDS_WINDOW, OCCAM_WINDOW, RIVAL_LOSS
 from flexdyn.diagnose.decision.fitted_structure import FittedStructure
-from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
+from flexdyn.diagnose.decision.model_effects import without_effect
 from flexdyn.diagnose.equations.mask import passage_mask
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
@@ -18,7 +18,7 @@ from flexdyn.diagnose.inference.odds_by_fits import fit_if_likely, log_density_a
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Space, Structure
-from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
+from flexdyn.diagnose.inference.structure_model import effect_of, hypothesis_of, waits
 from flexdyn.effects import effect_from_dict
 
 

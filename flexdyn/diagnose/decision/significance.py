@@ -7,11 +7,12 @@ import math
 from scipy.special import ndtri
 
 from flexdyn.diagnose.constants import ESTABLISHED
-from flexdyn.diagnose.decision.model_effects import effect_of, without_effect
+from flexdyn.diagnose.decision.model_effects import without_effect
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.space import Space
+from flexdyn.diagnose.inference.structure_model import effect_of
 from flexdyn.effects import Effect
 
 

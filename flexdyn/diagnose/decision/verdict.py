@@ -16,10 +16,6 @@ from flexdyn.diagnose.equations.layout import LINK, TRANSMISSION
 from flexdyn.diagnose.report.measures import Gap, Left, ResidualPlace
 from flexdyn.diagnose.report.result import Verdict
 
-NOISE_RULES = (
-    "Noise moves simulations with the corrected model farther than the given model is off: a joint has a spring that "
-    "is nearly rigid. The gap says nothing; torque errors do."
-)
 QUANTITY = re.compile(r"abs\((\w+(?: of \w+)?)\)|\b(q|v|omega|t)\b(?= [<>b])|(after a reversal)")
 
 

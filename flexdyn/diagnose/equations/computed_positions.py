@@ -96,10 +96,24 @@ def _carried(model: FlexibleJointModel, j: int, given: Array, theta: Array, omeg
     Such friction is proportional to the load, with one share for each direction of power. So ``carried = given/(1 +
     share)``. Of a gear that nearly locks itself, the motor's torque tells no load: it is left as it is.
     """
-    loaded = [each for each in acting_on(model, j) if each.takes_load and each.side == "motor"]
-    lost = sum((torque_of(each, theta, omega, t=t, tau=given) for each in loaded), np.zeros_like(given))
-    kept = 1.0 + np.divide(lost, given, out=np.zeros_like(given), where=given != 0.0)
+    kept = 1.0 + lost_share(model, j, given, theta, omega, t)
     return np.where(kept > LEAST_TRANSMITTED, given / np.maximum(kept, LEAST_TRANSMITTED), given)
+
+
+def lost_share(model: FlexibleJointModel, j: int, load: Array, theta: Array, omega: Array, t: Array) -> Array:
+    """Friction of a motor over a load (samples,) [1], of laws that take a share of it; zero without a load.
+
+    Args:
+        model: resolved.
+        j: the joint.
+        load: a torque of the sign of that in the transmission (samples,) [N m].
+        theta: position of the rotor (samples,) [rad].
+        omega: its velocity (samples,) [rad/s].
+        t: times (samples,) [s].
+    """
+    loaded = [each for each in acting_on(model, j) if each.takes_load and each.side == "motor"]
+    lost = sum((torque_of(each, theta, omega, t=t, tau=load) for each in loaded), np.zeros_like(load))
+    return np.divide(lost, load, out=np.zeros_like(load), where=load != 0.0)
 
 
 def _bent_by_rotor(model: FlexibleJointModel, j: int, theta: Array, kernel: GaussianSmoother) -> tuple[Array, Array]:

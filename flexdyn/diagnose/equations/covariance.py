@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -12,20 +12,14 @@ from numpy.typing import NDArray
 from flexdyn import _core
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.filters import Filters
-from flexdyn.diagnose.equations.computed_positions import LEAST_TRANSMITTED, acting_on
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.held_torque import HELD
 from flexdyn.diagnose.equations.hidden_links import hidden_links_error, noise_of_vibration
-from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION
+from flexdyn.diagnose.equations.layout import MOTOR, TOTAL
 from flexdyn.diagnose.equations.motion import SmoothedMotion
-from flexdyn.diagnose.equations.terms import torque_slope
+from flexdyn.diagnose.equations.noise_coefficients import coefficients, freest
 from flexdyn.diagnose.lazy import last
 
-Coefficient = float | Array
-"""One number, or one for each time (times,)."""
-Terms = dict[int, Coefficient]
-"""Of every equation."""
-Channel = tuple[str, int]
 MASKED = 1e8
 """Variance of a masked row in units of the median one."""
 
@@ -130,125 +124,6 @@ def _kernels(filters: Filters, twice: bool) -> dict[str, list[Array]]:
     return {"q": whole, "theta": whole, "tau": held, "tau_s": whole[:1]}
 
 
-def coefficients(equations: Equations, along: SmoothedMotion) -> dict[Channel, dict[int, Terms]]:
-    """C by channel, order of derivative and equation, in units of its rows; those that are zero are left out."""
-    M = along.inertias(equations.filters).transpose(1, 2, 0).copy()
-    shares = [1.0 + lost_share(equations, along, i) for i in range(equations.true.n)]
-    found: dict[Channel, dict[int, Terms]] = {}
-    # Positions that are computed from a limited torque are right to first order only: they err by as much as its noise.
-    exact = not equations.computed.any()
-    given = [passed_torque(equations, along, i) if exact else gain for i, gain in enumerate(equations.gains)]
-    for row, (j, kind) in enumerate(equations.kinds):
-        own = _own_coefficients(equations, along, j, kind, shares[j])
-        unit = {LINK: equations.softness[j], MOTOR: equations.gains[j], TOTAL: equations.gains[j]}.get(kind, 1.0)
-        links = _links(equations, along, M, j, kind, shares) if kind in (LINK, TOTAL) else ()
-        for channel, order, value in (*own, *links):
-            if np.any(value):
-                rows = found.setdefault(channel, {}).setdefault(order, {})
-                true = given[channel[1]] if channel[0] == "tau" else 1.0
-                rows[row] = rows.get(row, 0.0) + true / unit * value
-    return found
-
-
-def passed_torque(equations: Equations, along: SmoothedMotion, j: int) -> Coefficient:
-    """True noise of a motor's torque over that of the recorded one, as far as its limits pass it (times,) [1].
-
-    Root mean square over a row's filter; without limits the motor's gain.
-    """
-    slope = torque_slope(acting_on(equations.true, j), along, j)
-    if slope is None:
-        return float(equations.gains[j])
-    return np.sqrt(np.maximum(equations.filters.rows(slope**2), 0.0))
-
-
-def lost_share(equations: Equations, along: SmoothedMotion, j: int) -> Coefficient:
-    """Friction of a motor over the torque that its spring carries, of laws that take the load (times,) [1].
-
-    Such a law is proportional to the load, with a sign for each direction of power.
-    """
-    true = equations.true
-    loaded = [e for e in acting_on(true, j) if e.takes_load and e.side == "motor"] if true.elastic[j] else []
-    if not loaded:
-        return 0.0
-    carried = true.stiffness[j] * along.delta[:, j]
-    lost = sum(e.torque(along.theta[:, j], along.omega[:, j], t=along.t, tau=carried) for e in loaded)
-    share = np.divide(lost, carried, out=np.zeros_like(carried), where=carried != 0.0)
-    return equations.filters.rows(np.maximum(share, LEAST_TRANSMITTED - 1.0))
-
-
-def _own_coefficients(
-    equations: Equations, along: SmoothedMotion, j: int, kind: str, share: Coefficient
-) -> Iterator[tuple[Channel, int, Coefficient]]:
-    """Coefficients of a joint's torques, transmission and rotor in one of its equations.
-
-    Args:
-        equations: that have the row.
-        along: the motion.
-        j: the joint.
-        kind: of the row.
-        share: torque that the motor must give over that which the spring carries [1].
-    """
-    model = equations.true
-    K, D = model.stiffness[j], model.damping[j]
-    passed = 1.0 / share if equations.computed[j] and not along.data.has_q[j] else 1.0  # of the motor's torque
-    if kind in (MOTOR, TOTAL):
-        yield ("tau", j), 0, passed
-        yield ("theta" if along.data.has_theta[j] else "q", j), 1, -sum(law.back_emf for law in equations.motors[j])
-    if kind == SENSOR:
-        yield ("tau_s", j), 0, 1.0
-    bent = {
-        MOTOR: (-K * share, -D * share),
-        LINK: (K, D),
-        TRANSMISSION: (1.0,),
-        SENSOR: (-K,) if model.elastic[j] else (),
-    }
-    for order, value in enumerate(bent.get(kind, ())):
-        yield ("q", j), order, -value
-        yield ("theta", j), order, value
-    if kind == MOTOR:
-        yield ("theta", j), 2, -model.rotor_inertia[j]
-
-
-def _links(
-    equations: Equations, along: SmoothedMotion, M: Array, j: int, kind: str, shares: Sequence[Coefficient]
-) -> Iterator[tuple[Channel, int, Coefficient]]:
-    """The links' accelerations in one equation: measured, or computed from those of the rotors.
-
-    Args:
-        equations: that have the row.
-        along: the motion.
-        M: mass matrices (n, n, times).
-        j: the joint.
-        kind: of the row.
-        shares: torque that each motor must give over that which its spring carries [1].
-    """
-    model = equations.true
-    taken = shares[j] if kind == TOTAL and not along.data.has_theta[j] else 1.0  # friction takes what the links need
-    has_q, has_theta = along.data.has_q, along.data.has_theta
-    K, D, J = model.stiffness, model.damping, model.rotor_inertia
-    moves = ~along.resting[equations.filters.instants(len(along.t))]
-    for i in range(model.n):
-        if model.elastic[i] and not has_q[i]:
-            yield ("theta", i), 2, -M[j, i]
-            # Of a resting joint the load is known, and smoothed.
-            soft = np.where(moves[:, i], M[j, i] / (K[i] * shares[i]), 0.0)
-            yield ("theta", i), 4, -soft * J[i]
-            yield ("tau", i), 2, soft
-            yield ("theta", i), 5, soft * D[i] * J[i] / K[i]
-            yield ("tau", i), 3, -soft * D[i] / K[i]
-            continue
-        channel = ("q" if has_q[i] else "theta", i)
-        yield channel, 2, -M[j, i] * taken
-        if kind == TOTAL and model.elastic[j] and not has_theta[j]:
-            yield channel, 4, -M[j, i] * J[j] / K[j]
-            yield channel, 5, M[j, i] * J[j] * D[j] / K[j] ** 2
-    if kind == TOTAL and model.elastic[j]:
-        yield ("theta" if has_theta[j] else "q", j), 2, -J[j] / (shares[j] if not has_q[j] else 1.0)
-    elif kind == TOTAL and has_q[j] and has_theta[j]:  # M includes the rotor, whose acceleration follows from theta
-        yield ("theta", j), 2, -J[j]
-        yield ("q", j), 2, J[j]
-
-
 def _add_noise(equations: Equations, along: SmoothedMotion, noise: SampleNoise, band: Array, lags: int) -> None:
     """Add the covariance of one recording's rows to its band (rows, width)."""
     found, correlations = coefficients(equations, along), _correlations(equations.filters, _twice(equations))
@@ -287,13 +162,6 @@ def _correlation(a: Array, b: Array, shift: int) -> float:
     if start >= stop:
         return 0.0
     return float(a[ha + start : ha + stop] @ b[hb + start + shift : hb + stop + shift])
-
-
-def freest(equations: Equations, along: SmoothedMotion, j: int) -> Flags:
-    """Rows in which a motor's limits pass most of the noise of its torque (times,)."""
-    times = equations.filters.count(len(along.t))
-    power = np.broadcast_to(np.asarray(passed_torque(equations, along, j)) ** 2, times)
-    return np.asarray(power >= 0.5 * power.max())
 
 
 def row_variances(

@@ -12,9 +12,10 @@ from flexdyn.analysis.analysed_model import command_delays
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.filters import later
 from flexdyn.diagnose.data.measured import SIGNALS, Measured
-from flexdyn.diagnose.equations.covariance import Channel, SampleNoise, Terms, Whitener, coefficients, kernels_of
+from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener, kernels_of
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.motion import SmoothedMotion
+from flexdyn.diagnose.equations.noise_coefficients import Channel, Terms, coefficients
 from flexdyn.effects.channels import by_channel, lag
 
 

@@ -8,9 +8,10 @@ import numpy as np
 
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.channel_noise import recorded_torque_noise
-from flexdyn.diagnose.equations.covariance import SampleNoise, freest, row_variances
+from flexdyn.diagnose.equations.covariance import SampleNoise, row_variances
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import MOTOR, TOTAL
+from flexdyn.diagnose.equations.noise_coefficients import freest
 from flexdyn.records.signals.reading_noise import robust_std
 
 ENCODER_NOISE_SHARE = 0.5

@@ -15,6 +15,7 @@ from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.catalogue import columns_of
 from flexdyn.diagnose.inference.odds_by_fits import fit_if_likely, log_posterior
 from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.diagnose.inference.structure_model import effect_of
 from flexdyn.effects import Effect
 
 
@@ -40,8 +41,7 @@ def likeliest_shapes(space: Space, best: Structure, fitted: Fit) -> Fit:
 
 def _other_shapes(space: Space, candidate: Candidate, here: Hypothesis) -> Iterator[Hypothesis]:
     """A hypothesis with each other value of what no fit moves in a candidate's effect, where its torque is nearest."""
-    proposal = candidate.proposal
-    effect = None if proposal is None else next((each for each in here.effects if proposal.is_of(each)), None)
+    proposal, effect = candidate.proposal, effect_of(candidate, here)
     if proposal is None or effect is None or len(candidate.moved_axes) == len(proposal.axes):
         return
     at = space.library.equations

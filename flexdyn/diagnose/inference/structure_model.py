@@ -9,6 +9,7 @@ import numpy as np
 
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, bounded, least_factor
 from flexdyn.diagnose.hypothesis.linear import tangent_scale
+from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.effects import Effect, JointEffect
 from flexdyn.model.uncertain_parameters import FileNumber
@@ -59,6 +60,12 @@ def hypothesis_of(space: Space, structure: Structure, *, whole: bool = False, sh
     effects = _softened(space, structure, effects)
     factors = {n: max(f, least_factor(n)) for n, f in factors.items()}
     return dataclasses.replace(here, factors=factors, freed=frozenset(freed), effects=tuple(effects))
+
+
+def effect_of(candidate: Candidate, here: Hypothesis) -> Effect | None:
+    """A hypothesis' effect of a candidate's kind and place."""
+    proposal = candidate.proposal
+    return None if proposal is None else next((each for each in here.effects if proposal.is_of(each)), None)
 
 
 def factor_of(space: Space, structure: Structure, number: FileNumber) -> tuple[float, float]:
