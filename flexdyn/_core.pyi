@@ -143,7 +143,7 @@ def mixed_products(
 def whiten(factor: Array, masked: NDArray[np.bool_], raw: Array, out: Array) -> None: ...
 def whiten_apart(factor: Array, masked: NDArray[np.bool_], raw: Array, out: NDArray[np.float32]) -> None: ...
 def window_gains(
-    flow: Array, push: Array, seen: Array, counted: Array, sensor: Array, std: Array, limit: float,
+    flow: Array, push: Array, seen: Array, counted: Array, sensor: Array, prior: Array, limit: float,
     gain: Array, first_gain: Array, whitener: Array, carried: Array, doubt: Array,
 ) -> None: ...  # fmt: skip
 def window_innovations(

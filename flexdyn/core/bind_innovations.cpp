@@ -37,12 +37,12 @@ struct Sizes {
   }
 };
 
-void gains(Stack flow, Stack push, Stack seen, Table counted, Table sensor, Matrix std, double limit, OutStack gain,
+void gains(Stack flow, Stack push, Stack seen, Table counted, Table sensor, Table prior, double limit, OutStack gain,
            OutStack first_gain, OutStack whitener, OutTable carried, OutTable doubt) {
   const Sizes all(flow, seen);
   const std::size_t nx = all.nx, many = all.channels;
   require(shaped(push, {all.windows, all.blocks, nx, nx}) && all.channelled(counted) && all.channelled(sensor) &&
-              shaped(std, {all.windows, nx}),
+              shaped(prior, {all.windows, nx, nx}),
           "windows differ in shape");
   require(all.gained(gain, first_gain, whitener) && all.channelled(carried) && all.channelled(doubt),
           "arrays of other windows");
@@ -50,7 +50,7 @@ void gains(Stack flow, Stack push, Stack seen, Table counted, Table sensor, Matr
   nb::gil_scoped_release release;
   for (std::size_t w = 0; w < all.windows; ++w) {
     const std::size_t row = all.row(w);
-    window_gains(all.of(w, flow, push.data(), seen, counted.data(), sensor.data(), limit), std.data() + w * nx,
+    window_gains(all.of(w, flow, push.data(), seen, counted.data(), sensor.data(), limit), prior.data() + w * nx * nx,
                  {gain.data() + row * nx, first_gain.data() + row * nx, whitener.data() + row * many,
                   carried.data() + row, doubt.data() + row});
   }
@@ -77,7 +77,7 @@ void innovations(Stack flow, Stack seen, Table counted, double limit, Stack gain
 
 void bind_innovations(nb::module_& m) {
   m.def("window_gains", &gains, nb::arg("flow"), nb::arg("push"), nb::arg("seen"), nb::arg("counted"),
-        nb::arg("sensor"), nb::arg("std"), nb::arg("limit"), nb::arg("gain"), nb::arg("first_gain"),
+        nb::arg("sensor"), nb::arg("prior"), nb::arg("limit"), nb::arg("gain"), nb::arg("first_gain"),
         nb::arg("whitener"), nb::arg("carried"), nb::arg("doubt"));
   m.def("window_innovations", &innovations, nb::arg("flow"), nb::arg("seen"), nb::arg("counted"), nb::arg("limit"),
         nb::arg("gain"), nb::arg("first_gain"), nb::arg("whitener"), nb::arg("mean"), nb::arg("first"),

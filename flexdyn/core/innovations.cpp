@@ -29,9 +29,9 @@ Matrix inverse_root(const Matrix& covariance, const InVector& sensor) {
 
 }  // namespace
 
-void window_gains(const WindowResponse& window, const double* std, const WindowGains& found) {
+void window_gains(const WindowResponse& window, const double* prior, const WindowGains& found) {
   const auto nx = static_cast<Eigen::Index>(window.nx), many = static_cast<Eigen::Index>(window.channels);
-  Matrix P = InVector(std, nx).cwiseAbs2().asDiagonal();
+  Matrix P = In(prior, nx, nx);
   Matrix cross = P, first = P, moved = Matrix::Identity(nx, nx), V = Matrix::Zero(nx, nx);
   Matrix levers(static_cast<Eigen::Index>(window.blocks) * many, nx), work(nx, nx);
   for (std::size_t k = 0; k < window.blocks; ++k) {

@@ -30,7 +30,8 @@ struct KnownGains {
   const double *gain, *first_gain, *whitener;
 };
 
-void window_gains(const WindowResponse& window, const double* std, const WindowGains& found);
+// `prior` is the covariance of the first state (nx, nx).
+void window_gains(const WindowResponse& window, const double* prior, const WindowGains& found);
 
 // White innovations (blocks, channels) of the means of blocks (blocks, channels), and the error of the first state.
 // `first` holds the error that is known beforehand (nx), and takes the estimate from all blocks.

@@ -65,8 +65,8 @@ def test_nothing_with_huge_lengths_is_done_at_once() -> None:
     _core.by_rows(empty, empty)
     _core.noise_band(np.zeros((HUGE, 1, 0)), np.ones((1, 1, 1)), np.zeros((0, 0)))
     stack, table = np.zeros((2**29, 2**29, 0, 0)), np.zeros((2**29, 2**29, 0))
-    first = np.zeros((2**29, 0))
-    _core.window_gains(stack, stack, stack, table, table, first, 1.0, stack, stack, stack, table, table)
+    first, prior = np.zeros((2**29, 0)), np.zeros((2**29, 0, 0))
+    _core.window_gains(stack, stack, stack, table, table, prior, 1.0, stack, stack, stack, table, table)
     _core.window_innovations(stack, stack, table, 1.0, stack, stack, stack, table, first, table)
 
 

@@ -44,6 +44,21 @@ def test_a_true_model_that_sticks_has_a_gap_of_one(tmp_path: Path, levels: Level
     assert shoot(slider_model(tmp_path), windows).gap > 20.0
 
 
+@pytest.mark.parametrize("stiffness", [1e6, 5e8])
+def test_noise_of_a_motor_encoder_winds_no_stiff_spring(tmp_path: Path, stiffness: float) -> None:
+    """Rotor and link move as one mass: an error of the rotor's position is one of the link's, and no deflection."""
+    levels, rotor = Levels(position=2e-5, torque=0.02), 1.0
+    x, _ = sliding(FORCE, 1.0 / RATE, MASS + rotor, 0.0)
+    drive = {"lift": {"stiffness": stiffness, "damping": 0.0, "rotor_inertia": rotor}}
+    model, units = slider_model(tmp_path).replace(joints=drive), {"units": {"theta.lift": "m", "tau.lift": "N"}}
+    gaps = []
+    for seed in range(3):
+        seen = slider_recording(x, FORCE, RATE, levels, seed)
+        log = fd.Recording(seen.t, {"theta.lift": seen["q.lift"], "tau.lift": seen["tau.lift"]}, meta=units)
+        gaps.append(shoot(model, Windows.of(model, [log], levels.noise(1))).gap)
+    assert np.sqrt(np.mean(np.square(gaps))) == pytest.approx(1.0, abs=0.15)
+
+
 def test_the_gap_of_a_wrong_mass_is_what_linear_theory_says(tmp_path: Path) -> None:
     """A free mass under sensor noise: twice integrated torque beside its best line, in units of noise."""
     levels, error = Levels(position=5e-5, torque=1e-6), 0.02
@@ -109,7 +124,7 @@ def test_noise_that_would_excuse_any_motion_is_told(tmp_path: Path) -> None:
     response = spread(shooter, shooter.run(starts.x), np.arange(len(starts.x)))
     grown = dataclasses.replace(response, flow=10.0 * response.flow)
     used = np.ones(windows.measured.shape, bool)
-    told = [Filter.of(windows, each, starts.std, used, np.arange(len(windows))).wild for each in (response, grown)]
+    told = [Filter.of(windows, each, starts.prior, used, np.arange(len(windows))).wild for each in (response, grown)]
     assert not told[0].any()
     assert told[1].all()
 
@@ -147,8 +162,8 @@ def test_some_windows_respond_as_among_all(tmp_path: Path, timed: bool) -> None:
     for name in ("flow", "push", "seen"):
         np.testing.assert_allclose(getattr(filled, name)[some], getattr(response, name)[some], rtol=1e-9, atol=1e-12)
 
-    used, std = np.ones(windows.measured.shape, bool), window_starts(shooter).std
-    one, other = (Filter.of(windows, r, std, used, w) for r, w in ((response, np.arange(len(windows))), (few, some)))
+    used, prior = np.ones(windows.measured.shape, bool), window_starts(shooter).prior
+    one, other = (Filter.of(windows, r, prior, used, w) for r, w in ((response, np.arange(len(windows))), (few, some)))
     mixed = dataclasses.replace(one, gain=0.0 * one.gain, whitener=0.0 * one.whitener).replaced(some, other)
     for name in ("gain", "first_gain", "whitener", "variance", "unfitted", "counted"):
         np.testing.assert_allclose(getattr(mixed, name)[some], getattr(one, name)[some], rtol=1e-6, atol=1e-12)

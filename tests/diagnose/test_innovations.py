@@ -25,7 +25,8 @@ class Windows:
         self.seen = draw.standard_normal((windows, blocks, channels, nx))
         self.counted = (draw.random((windows, blocks, channels)) < 0.8).astype(float)
         self.sensor = 0.1 + draw.random((windows, blocks, channels))
-        self.std = 0.5 + draw.random((windows, nx))
+        root = draw.standard_normal((windows, nx, nx))
+        self.prior = root @ root.swapaxes(1, 2)
         self.mean = self.counted * draw.standard_normal((windows, blocks, channels))
         self.known = draw.standard_normal((windows, nx))
         self.gain, self.first_gain = np.empty((2, windows, blocks, nx, channels))
@@ -35,7 +36,7 @@ class Windows:
     def filtered(self) -> tuple[Array, Array]:
         """White innovations, and errors of the first states, by the core."""
         _core.window_gains(
-            self.flow, self.push, self.seen, self.counted, self.sensor, self.std, LIMIT,
+            self.flow, self.push, self.seen, self.counted, self.sensor, self.prior, LIMIT,
             self.gain, self.first_gain, self.whitener, self.carried, self.doubt,
         )  # fmt: skip
         first, white = self.known.copy(), np.empty_like(self.mean)
@@ -48,7 +49,7 @@ class Windows:
     def dense(self, w: int) -> tuple[Array, Array, Array, Array]:
         """White innovations, error of the first state, and both variances of one window, without a filter."""
         blocks, channels, nx = self.seen.shape[1:]
-        first = np.diag(self.std[w] ** 2)
+        first = self.prior[w]
         levers, moved = [], np.eye(nx)
         push: list[Array] = []  # what is left of every push
         for k in range(blocks):

@@ -166,7 +166,7 @@ def _window_gains(rng: random.Random) -> Arguments:
     whitener = (windows, blocks, channels, channels)
     given: Arguments = {"flow": _numbers(rng, *square), "push": root @ np.swapaxes(root, 2, 3)}
     given |= {"seen": _numbers(rng, windows, blocks, channels, nx), "counted": np.ones(row), "sensor": np.ones(row)}
-    given |= {"std": np.ones((windows, nx)), "limit": 1e9}
+    given |= {"prior": np.broadcast_to(np.eye(nx), (windows, nx, nx)).copy(), "limit": 1e9}
     made = {"gain": gain, "first_gain": gain, "whitener": whitener, "carried": row, "doubt": row}
     return given | {key: np.zeros(shape) for key, shape in made.items()}
 
@@ -176,7 +176,7 @@ def _window_innovations(rng: random.Random) -> Arguments:
     keys = ("flow", "seen", "counted", "limit", "gain", "first_gain", "whitener")
     row = known["counted"].shape
     given = {key: known[key] for key in keys} | {"mean": _numbers(rng, *row)}
-    return given | {"first": np.zeros(known["std"].shape), "white": np.zeros(row)}
+    return given | {"first": np.zeros(known["prior"].shape[:2]), "white": np.zeros(row)}
 
 
 OUTPUTS = ("out", "factor", "gain", "first_gain", "whitener", "carried", "doubt", "first", "white")

@@ -101,7 +101,7 @@ class Matching:
 
     def _within(self, moved: Array) -> Array:
         """Limit changes (windows, nx) to their largest allowed size."""
-        most = LARGEST_FIRST_STATE_SHIFT * self.starts.std
+        most = LARGEST_FIRST_STATE_SHIFT * np.sqrt(np.diagonal(self.starts.prior, axis1=1, axis2=2))
         return np.clip(np.nan_to_num(moved), -most, most)
 
     def _from(self, moved: Array, rest: Matched | None = None, some: Flags | None = None) -> Matched:
@@ -143,7 +143,7 @@ class Matching:
         which = np.flatnonzero(some)
         if rest is not None and not len(which):
             return rest.filter
-        made = Filter.of(self.shooter.windows, spread(self.shooter, motion, which), self.starts.std, self.used, which)
+        made = Filter.of(self.shooter.windows, spread(self.shooter, motion, which), self.starts.prior, self.used, which)
         return made if rest is None else rest.filter.replaced(which, made)
 
     def _better(self, one: Matched, other: Matched) -> Matched:

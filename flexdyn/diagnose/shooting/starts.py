@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,18 +37,18 @@ UNMEASURED = (0.0, 0.0, 0.0, 0.1, 0.1, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Starts:
-    """Prior means and standard deviations of first states.
+    """Prior means and covariances of first states.
 
     Attributes:
         x: means (windows, nx).
-        std: standard deviations (windows, nx); 0 if certain, as for the velocity of a sticking joint.
+        prior: covariances (windows, nx, nx); 0 where a state is certain, as the velocity of a sticking joint.
         stuck: the same states with all contacts at rest on unmeasured sides, where friction may hold them; None without
             such contacts.
         deflected: the same states with other deflections of joints of which one side is unmeasured.
     """
 
     x: Array
-    std: Array
+    prior: Array
     stuck: Array | None = None
     deflected: tuple[Array, ...] = ()
 
@@ -56,8 +57,9 @@ def window_starts(shooter: Shooter) -> Starts:
     """First states of every window for a model.
 
     Positions and velocities come from a local cubic over the samples before and after the start. If one encoder is
-    missing, the springs carry the torques that the links need for the measured acceleration. Contacts that rest within
-    the noise start with velocity 0, to the last bit. Internal states follow the measured path up to the start.
+    missing, the springs carry the torques that the links need for the measured acceleration: an error of the measured
+    side is one of both sides, and the deflection has its own. Contacts that rest within the noise start with velocity
+    0, to the last bit. Internal states follow the measured path up to the start.
     """
     windows, model = shooter.windows, shooter.model
     found = {name: _at_starts(shooter, name) for name in windows.channels}
@@ -74,21 +76,22 @@ def window_starts(shooter: Shooter) -> Starts:
     rests = (link_rests > 0) & (rotor_rests > 0)
     both = np.array([f"q.{joint}" in found and f"theta.{joint}" in found for joint in model.joint_names])
     delta = _wound_at_starts(shooter, np.where(both, 0.5 * (q + theta), q), v, bend)
-    sides: list[tuple[int, Array]] = []
-    for j, joint in enumerate(model.joint_names):
-        if both[j] or not model.elastic[j]:
+    e, vibration = shooter.elastic, _vibrations(shooter, q)
+    sides: list[tuple[int, int, Array]] = []
+    for k, j in enumerate(e.tolist()):
+        joint = model.joint_names[j]
+        if both[j]:
             continue
         spread = 0.3 * np.abs(delta[:, j]) + 0.1 * np.abs(delta[:, j]).mean()
-        rate = np.gradient(delta[:, j]).std() + np.abs(v[:, j]) * 0.01 + v_std[:, j]
+        rate = np.minimum(np.gradient(delta[:, j]).std() + 0.01 * np.abs(v[:, j]), vibration[:, k] * spread)
         if f"q.{joint}" in found:
-            theta[:, j], theta_std[:, j] = q[:, j] + delta[:, j], theta_std[:, j] + spread
-            omega_std[:, j] = omega_std[:, j] + rate
-            sides.append((model.n + int(np.searchsorted(shooter.elastic, j)), spread))
+            theta[:, j], theta_std[:, j] = q[:, j] + delta[:, j], spread
+            omega_std[:, j] = rate
+            sides.append((model.n + k, j, spread))
         else:
-            q[:, j], q_std[:, j] = theta[:, j] - delta[:, j], q_std[:, j] + spread
-            v_std[:, j] = v_std[:, j] + rate
-            sides.append((j, spread))
-    e = shooter.elastic
+            q[:, j], q_std[:, j] = theta[:, j] - delta[:, j], spread
+            v_std[:, j] = rate
+            sides.append((j, model.n + k, spread))
     x = np.hstack([q, theta[:, e], v, omega[:, e]])
     std = START_BOUND_WIDTH * np.hstack([q_std, theta_std[:, e], v_std, omega_std[:, e]])
     unseen = _stick(shooter, x, std, rests)
@@ -96,8 +99,29 @@ def window_starts(shooter: Shooter) -> Starts:
     first = np.hstack([x, z])
     stuck = first.copy()
     stuck[:, unseen] = 0.0
-    deflected = tuple(_shifted(first, place, share * by) for place, by in sides for share in DEFLECTION_SHIFTS)
-    return Starts(first, np.hstack([std, z_std]), stuck if unseen else None, deflected)
+    deflected = tuple(_shifted(first, own, share * by) for own, _, by in sides for share in DEFLECTION_SHIFTS)
+    tied = [(own + at, measured + at) for own, measured, _ in sides for at in (0, x.shape[1] // 2)]
+    return Starts(first, _covariances(np.hstack([std, z_std]), tied), stuck if unseen else None, deflected)
+
+
+def _vibrations(shooter: Shooter, q: Array) -> Array:
+    """Angular frequency at which each spring vibrates between its rotor and the links (windows, elastic) [rad/s].
+
+    A deflection with an error s may vibrate by s: its rate then has an error of s times this frequency.
+    """
+    model, e = shooter.model, shooter.elastic
+    if not len(e):
+        return np.zeros((len(q), 0))
+    mobility = np.linalg.inv(LinkSide(model).mass_matrix(q))[:, e, e] + 1.0 / model.rotor_inertia[e]
+    return np.asarray(np.sqrt(model.stiffness[e] * mobility))
+
+
+def _covariances(std: Array, tied: Sequence[tuple[int, int]]) -> Array:
+    """Covariances (windows, nx, nx) of independent errors; a tied state has those of another state as well."""
+    root = std[:, :, None] * np.eye(std.shape[1])
+    for own, other in tied:
+        root[:, own, other] = std[:, other]
+    return root @ root.transpose(0, 2, 1)
 
 
 def _shifted(x: Array, place: int, by: Array) -> Array:

@@ -47,17 +47,17 @@ class Filter(PerWindow):
     wild: Flags
 
     @classmethod
-    def of(cls, windows: Windows, response: Spread, std: Array, used: Flags, which: Indices) -> Filter:
+    def of(cls, windows: Windows, response: Spread, prior: Array, used: Flags, which: Indices) -> Filter:
         """Compute the covariances for some windows.
 
         Args:
             windows: all windows, with the noise levels.
             response: linear response of the selected windows.
-            std: of the prior of the first states (windows, nx).
+            prior: covariance of the first states (windows, nx, nx).
             used: samples that count (windows, rows, channels).
             which: selected windows.
         """
-        flow, push, std = response.flow, response.push, std[which]
+        flow, push = response.flow, response.push
         count, blocks, nx, _ = flow.shape
         counted = used[which, :: windows.block].astype(float)
         sensor = windows.sensor_noise**2
@@ -67,7 +67,7 @@ class Filter(PerWindow):
         whitener = np.empty((count, blocks, channels, channels))
         carried, doubt = np.empty((count, blocks, channels)), np.empty((count, blocks, channels))
         _core.window_gains(
-            flow, push, response.seen, counted, R, np.ascontiguousarray(std), LARGEST_SLOPE,
+            flow, push, response.seen, counted, R, np.ascontiguousarray(prior[which]), LARGEST_SLOPE,
             gain, first_gain, whitener, carried, doubt,
         )  # fmt: skip
         most = (EXCUSED_SHARE * windows.span) ** 2
