@@ -7,6 +7,7 @@ import math
 
 from flexdyn.diagnose.constants import CERTAIN_SIGMAS, ERRORS_PER_WINDOW, NOISE_LEVEL_ERROR, STRONG_GAIN_SHARE
 from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.space import Structure
@@ -66,12 +67,15 @@ class Simulated:
         """Simulate with the numbers of the equations; a structure that cannot be simulated is left out."""
         if structure in self.fits:
             return
-        found = self.found
         with contextlib.suppress(FlexdynError):
-            here = hypothesis_of(found.space, structure, whole=True)
-            whole = structure == found.best
-            made = found.fitted if whole else fit(here, found.fitted.space, steps=EQUATIONS_FIT_STEPS)
-            self._take(structure, WindowFit.of(made, self.windows))
+            self._take(structure, WindowFit.of(self.by_equations(structure), self.windows))
+
+    def by_equations(self, structure: Structure) -> Fit:
+        """A structure with the numbers of the equations."""
+        if structure == self.found.best:
+            return self.found.fitted
+        here = hypothesis_of(self.found.space, structure, whole=True)
+        return fit(here, self.found.fitted.space, steps=EQUATIONS_FIT_STEPS)
 
     def start_with(self, base: Structure, more: Addition) -> None:
         """Simulate a structure that was fitted with one candidate more."""
@@ -115,8 +119,11 @@ class Simulated:
             self.fit(structure)
 
     def grown(self, here: Structure) -> Structure:
-        """A fitted structure with what its windows lack, candidate by candidate, as long as that is worthwhile."""
-        if len(here) >= LARGEST_QUESTIONED:
+        """A fitted structure with what its windows lack, candidate by candidate, as long as that is worthwhile.
+
+        Windows that are at noise lack nothing: more would only change in which ones a joint sticks.
+        """
+        if len(here) >= LARGEST_QUESTIONED or not unlike_noise(self.fits[here].shot):
             return here
         for more in self._first(self._with_one_more(here, ADDITIONS))[:1]:
             self.fit(more)
