@@ -19,7 +19,8 @@ from flexdyn.diagnose.simulated.window_scan import Addition, Responses, is_asked
 from flexdyn.errors import FlexdynError
 
 SWAPS, ADDITIONS = 2, 2
-"""Candidates that are tried in the place of each one, and beside all: so many by the equations and by windows each."""
+"""Candidates that are tried in the place of each one, and beside all: so many by the equations, so many by windows, and
+so many of those of which windows say nothing before they are simulated."""
 LARGEST_QUESTIONED = 4
 """Candidates of a structure, at most, whose neighbours are simulated: larger ones imitate what the catalogue lacks."""
 SEARCH_ROUNDS = 3
@@ -132,12 +133,16 @@ class Simulated:
         return here
 
     def _with_one_more(self, base: Structure, most: int, but: int | None = None) -> list[Structure]:
-        """A structure with each of the candidates that the equations, or its windows, like best; simulated."""
+        """A structure with each of the candidates that the equations, or its windows, like best; simulated.
+
+        No linear response tells of a spring that makes a rigid joint vibrate: such candidates are simulated anyway.
+        """
         liked = [point for _, point in Scan(self.found.space).additions(base) if point[0] != but]
         promised = {each.point: each for each in self._promising(base) if each.point[0] != but}
+        unasked = [point for point in liked if not is_asked(self.found.space, point[0])]
         if base in self.fitted:  # of others its windows say that they would be none
-            liked = [point for point in liked if point in promised or not is_asked(self.found.space, point[0])]
-        points = dict.fromkeys([*liked[:most], *list(promised)[:most]])
+            liked = [point for point in liked if point in promised]
+        points = dict.fromkeys([*liked[:most], *list(promised)[:most], *unasked[:most]])
         for point in points:
             if point in promised:
                 self.start_with(base, promised[point])
