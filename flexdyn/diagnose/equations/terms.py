@@ -62,7 +62,7 @@ def spring_torque(model: FlexibleJointModel, effects: Sequence[JointEffect], mot
     is the springs' torque times the slope of the kinematic error.
     """
     true, D = motion.delta[:, j], model.damping[j]
-    springs, slope = _springs(model, effects, motion, j, true)
+    springs, slope = _springs_at(model, effects, motion, j, true)
     dampers = D * motion.ddelta[:, j]
     for effect in effects:
         if effect.stage == "spring" and effect.of_velocity:
@@ -83,11 +83,11 @@ def spring_slope(
         return None
     true = motion.delta[:, j]
     step = SLOPE_STEP * max(float(np.abs(true).max()), 1e-300)
-    above, below = (_springs(model, bent, motion, j, true + x)[0] for x in (step, -step))
+    above, below = (_springs_at(model, bent, motion, j, true + x)[0] for x in (step, -step))
     return np.asarray((above - below) / (2.0 * step))
 
 
-def _springs(
+def _springs_at(
     model: FlexibleJointModel, effects: Sequence[JointEffect], motion: SmoothedMotion, j: int, true: Array
 ) -> tuple[Array, Array]:
     """Torque of the springs at deflections, and its share that reaches the rotor (samples,) each."""
