@@ -141,7 +141,7 @@ def _diagnosed(
     bare, noise, start = prepared(model, data)
     tell(STAGES[1], 0.05)
     compared = dataclasses.replace(posterior(bare, noise, start), expected=expect)
-    plain = weighed(bare, compared.noise, compared.fitted.space.whiten.mask)
+    plain = weighed(compared.bare, compared.noise, compared.fitted.space.whiten.mask)
     compared, found = reported(compared, plain)
     know(found=found, noise=compared.noise)
     answer = concluded(plain, start, compared, found, (fitted, test))
