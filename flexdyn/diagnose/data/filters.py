@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,9 +59,9 @@ class Filters:
     def reach(self, passes: int) -> int:
         """Samples to either side that count in a row, after so many passes of the first filter.
 
-        Three standard deviations of each filter.
+        Three standard deviations of the filters in succession, whose variances add.
         """
-        return round(0.6 * (passes * self.first.half + self.second.half))
+        return round(3.0 * math.sqrt(passes * self.first.variance + self.second.variance))
 
     def instants(self, samples: int) -> Indices:
         """Samples after the first filter to which the rows belong."""

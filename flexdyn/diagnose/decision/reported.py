@@ -24,7 +24,9 @@ def reported(compared: Posterior, plain: Workspace) -> tuple[Posterior, Correcte
     compared = rivals_in_fits(needed_in_fits(compared))
     shares = functools.partial(share_in_forces, compared) if plain.equations.replayed.any() else None
     found = corrected(compared, plain, shares)
-    other = in_one_law(by_plainer_laws(compared, found.genuine), found.named)
+    # A law that gets no name, however genuine: the product with its probability may be too small for one.
+    genuine = {c: p if c in found.named else 0.0 for c, p in found.genuine.items()}
+    other = in_one_law(by_plainer_laws(compared, genuine), found.named)
     again = found if other is compared else corrected(other, plain, shares)
     new = {c for c, _ in other.best} - {c for c, _ in compared.best}
     # Only if what was put in place has a name, and nothing else loses its own.
