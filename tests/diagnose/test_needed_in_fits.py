@@ -15,7 +15,7 @@ from flexdyn.diagnose.decision.needed_in_fits import needed_in_fits
 from flexdyn.diagnose.decision.one_law import with_best
 from flexdyn.diagnose.decision.rivals_in_fits import rivals_in_fits
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.inference.passes import Posterior, most_likely_visited, posterior
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from tests.diagnose.test_simulated import FORCE, LEVEL, LEVELS, MASS, RATE

@@ -15,7 +15,7 @@ from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import names
 from flexdyn.diagnose.decision.one_law import with_best
 from flexdyn.diagnose.decision.rivals_in_fits import rivals_in_fits
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.inference.passes import Posterior, posterior
 from flexdyn.diagnose.inference.search import Scan
 from flexdyn.diagnose.inference.structure_model import hypothesis_of

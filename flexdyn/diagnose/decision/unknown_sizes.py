@@ -12,7 +12,7 @@ from flexdyn.diagnose.decision.first_laws import first_laws
 from flexdyn.diagnose.decision.unknown_laws import Unknown, by_effect, without_unknown
 from flexdyn.diagnose.equations.columns import of_effect
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.hypothesis.workspace import recorded_noise
+from flexdyn.diagnose.hypothesis.prepared import recorded_noise
 from flexdyn.diagnose.inference.sizes import Sizes
 from flexdyn.effects import Effect
 from flexdyn.errors import InputError

@@ -11,9 +11,10 @@ from flexdyn.arrays import Array
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis import number_columns
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import STEP_ROUNDING, Hypothesis, bounded, least_factor
 from flexdyn.diagnose.hypothesis.regression import Regression
+from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.parallel import SILENT, in_parallel
 from flexdyn.effects import Effect, SensorEffect
 from flexdyn.errors import SimulationError
@@ -42,7 +43,7 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
     """
     at = at or space.equations.of(hypothesis.model())
     here = space.at(at)
-    along = at if space.along is None else space.along.of(hypothesis.model())
+    along = at if space.bare.along is None else space.bare.along.of(hypothesis.model())
     scales = scales_of(hypothesis)
     taken = None if before is None else before.taken or before.hypothesis
     near = before if taken is not None and _near(hypothesis, taken) else None
@@ -72,7 +73,7 @@ def problem_of(
         finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
     if not finite:
         raise SimulationError(NOT_FINITE, reason="overflow")
-    nuisances = space.unknown.shape[1]
+    nuisances = space.bare.unknown.shape[1]
     centre, sigma = priors(hypothesis, space)
     centre, sigma = np.append(centre, np.zeros(nuisances)), np.append(sigma, space.nuisance_sigma)
     return within_bounds(Fit(hypothesis, at, Regression(y, X, centre, sigma, space.rows, nuisances), space, scales))
@@ -115,7 +116,7 @@ def _rows(hypothesis: Hypothesis, at: Equations, along: Equations, space: Worksp
 def _same_slopes(near: Fit, at: Equations, space: Workspace, scales: tuple[float, ...]) -> tuple[Array, Array]:
     """The same with the slopes of a fit that is near."""
     X = (near.free or near.regression).X.copy()
-    first, end = len(near.hypothesis.factors), X.shape[1] - space.unknown.shape[1]
+    first, end = len(near.hypothesis.factors), X.shape[1] - space.bare.unknown.shape[1]
     X[:, first:end] *= np.array(scales) / np.array(near.scales)
     white, X[:, end:] = space.beside_nuisance(at.residual)
     return white[:, 0], X

@@ -9,14 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexdyn.arrays import Flags
 from flexdyn.diagnose.constants import STRONG_GAIN_SHARE
 from flexdyn.diagnose.equations.covariance import SampleNoise
-from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.workspace import Unweighted
+from flexdyn.diagnose.hypothesis.unweighted import Unweighted
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.linearisation import Linearisation
@@ -33,7 +31,7 @@ from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.shapes import likeliest_shapes
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, waits
-from flexdyn.diagnose.inference.weights import for_fit, quieter, rows_of
+from flexdyn.diagnose.inference.weights import for_fit, quieter
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
 from flexdyn.errors import SimulationError
@@ -88,25 +86,23 @@ class Posterior:
         return tuple(zip(sets, odds_by_fits(self.space, self.best, self.fitted, sets), strict=True)) if sets else ()
 
 
-def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis) -> Posterior:
+def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
     """Compare structures on the equations.
 
     Args:
-        bare: the equations of the model as given.
-        noise: of the channels, as the records show it.
+        bare: the equations of the model as given, with the noise that the records show.
         start: the file's numbers where they stand.
     """
     own = everything(bare.equations)
-    mask = sign_mask(bare.equations, noise)
     start = dataclasses.replace(start, fits_cycles=True)
-    here = _in_tolerance(_numbers_alone(bare, noise, mask, start), start)
+    here = _in_tolerance(_numbers_alone(bare, start), start)
     first: Library | None = None
     compared: list[Places] = []
     passed: set[tuple[Places, Places]] = set()
     visited: list[tuple[Places, Hypothesis]] = []
     for k in range(MOST_PASSES):
         tell(f"comparing structures: pass {k + 1} of at most {MOST_PASSES}", 0.05 + 0.6 * k / MOST_PASSES)
-        near = Linearisation.of(bare, noise, mask, here, own, first)
+        near = Linearisation.of(bare, here, own, first)
         space = near.space
         first = first or space.library
         know(space=space)
@@ -165,11 +161,11 @@ def most_likely_visited(
     return best, fitted
 
 
-def _numbers_alone(bare: Unweighted, recorded: SampleNoise, mask: Flags, start: Hypothesis) -> Hypothesis:
+def _numbers_alone(bare: Unweighted, start: Hypothesis) -> Hypothesis:
     """A first fit of the file's numbers."""
     at = bare.equations.of(start.model())
-    noise = quieter(recorded, at, mask)
-    return fit(start, for_fit(bare, noise, mask, rows_of(at, mask), start), steps=NUMBERS_STEPS).hypothesis
+    bare = dataclasses.replace(bare, noise=quieter(bare.noise, at, bare.mask))
+    return fit(start, for_fit(bare, start), steps=NUMBERS_STEPS).hypothesis
 
 
 def linearised_elsewhere(compared: list[Places], places: Places) -> tuple[Places, ...]:
