@@ -29,8 +29,8 @@ from flexdyn.diagnose.hypothesis.less_rounded import less_rounded
 from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.inference.apart import genuine, power_ratios
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.odds_by_fits import squares_left
 from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.posterior_of_fit import squares_left
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.inference.structure_model import effect_of, hypothesis_of
 from flexdyn.effects import Effect

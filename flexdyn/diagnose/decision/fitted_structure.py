@@ -12,7 +12,7 @@ from flexdyn.arrays import Flags
 from flexdyn.diagnose.constants import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.linear import priors
-from flexdyn.diagnose.inference.odds_by_fits import squares_left
+from flexdyn.diagnose.inference.posterior_of_fit import squares_left
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import effect_of
 

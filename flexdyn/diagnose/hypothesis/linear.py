@@ -25,8 +25,6 @@ SAME_SLOPE_STEPS = 5.0
 """Slopes are kept for changes of an unknown up to this multiple of its scale [1]."""
 OUT_OF_TOLERANCE_WIDTH = 1e3
 """Relative width of the prior of a number that is out of its tolerance."""
-NOT_FINITE = "the equations are not finite along the measured motion"
-"""What the error says of a hypothesis that has no equations."""
 
 
 def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = None, at: Equations | None = None) -> Fit:
@@ -69,14 +67,19 @@ def problem_of(
     Raises:
         SimulationError: residuals or slopes are not finite.
     """
-    with SILENT():
-        finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
-    if not finite:
-        raise SimulationError(NOT_FINITE, reason="overflow")
+    require_finite(y, X)
     nuisances = space.bare.unknown.shape[1]
     centre, sigma = priors(hypothesis, space)
     centre, sigma = np.append(centre, np.zeros(nuisances)), np.append(sigma, space.nuisance_sigma)
     return within_bounds(Fit(hypothesis, at, Regression(y, X, centre, sigma, space.rows, nuisances), space, scales))
+
+
+def require_finite(*white: Array) -> None:
+    """Raise a SimulationError if residuals (rows,) or slopes (rows, columns) are not finite, or their squares."""
+    with SILENT():
+        finite = all(np.isfinite(np.einsum("i...,i...->...", each, each)).all() for each in white)
+    if not finite:
+        raise SimulationError("the equations are not finite along the measured motion", reason="overflow")
 
 
 def within_bounds(made: Fit) -> Fit:
@@ -109,7 +112,7 @@ def _rows(hypothesis: Hypothesis, at: Equations, along: Equations, space: Worksp
 
     slopes = in_parallel(slope, hypothesis.unknowns())
     white, nuisance = space.beside_nuisance(np.stack([at.residual, *slopes], axis=1))
-    numbers = _slopes_of_numbers(hypothesis, along, space)
+    numbers = slopes_of_numbers(hypothesis, along, space)
     return white[:, 0], np.column_stack([numbers, white[:, 1:], nuisance])
 
 
@@ -149,7 +152,7 @@ def reached(hypothesis: Hypothesis, at: Equations, space: Workspace) -> float:
     return alone.at_zero + float(((centre / sigma) ** 2).sum())
 
 
-def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) -> Array:
+def slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) -> Array:
     """Whitened derivatives of the file's numbers (rows, numbers); derivatives that have changed are computed again.
 
     These are those of numbers far from their given values, those of a joint whose encoders or spring were wrong,

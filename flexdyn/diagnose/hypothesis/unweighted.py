@@ -52,12 +52,12 @@ class Unweighted:
     def of(cls, equations: Equations, noise: SampleNoise, numbers: Iterable[FileNumber]) -> Unweighted:
         """Slopes by these numbers of the file; rows are masked where the noise says so."""
         channels = equations.data[0].encoders(equations.true.joint_names)
-        slopes = _slopes(equations, numbers, equations, channels)
+        slopes = _slopes_by_all(equations, numbers, equations, channels)
         return cls(equations, noise, sign_mask(equations, noise), channels, *slopes)
 
     def with_slopes_along(self, along: Equations, numbers: Iterable[FileNumber], at: Equations) -> Unweighted:
         """The same equations with slopes along another motion; those by offsets at other equations along it."""
-        by_numbers, unknown, states = _slopes(along, numbers, at, self.channels)
+        by_numbers, unknown, states = _slopes_by_all(along, numbers, at, self.channels)
         return dataclasses.replace(self, numbers=by_numbers, unknown=unknown, states=states, along=along)
 
     def with_offsets_of(self, at: Equations) -> Unweighted:
@@ -73,7 +73,7 @@ class Unweighted:
         return dataclasses.replace(self, unknown=np.column_stack([*offsets, states, *_of_shapes(at)]))
 
 
-def _slopes(
+def _slopes_by_all(
     equations: Equations, numbers: Iterable[FileNumber], at: Equations, channels: tuple[str, ...]
 ) -> tuple[Array, Array, Array]:
     """Slopes by the file's numbers and by what is not reported, and standard deviations of first states."""

@@ -12,7 +12,7 @@ from flexdyn.diagnose.constants import OCCAM_WINDOW, WHOLE_NUMBER_LOG_ODDS
 from flexdyn.diagnose.hypothesis.estimate import SHORTENED_STEP, fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.linear import linearised
+from flexdyn.diagnose.hypothesis.linear import require_finite, slopes_of_numbers
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.hypothesis.unweighted import Unweighted
 from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
@@ -21,7 +21,7 @@ from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.memory import check_memory
 from flexdyn.diagnose.inference.model_error import ModelError
-from flexdyn.diagnose.inference.odds_by_fits import log_density_at
+from flexdyn.diagnose.inference.posterior_of_fit import log_density_at
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.standing_effects import beliefs
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
@@ -65,21 +65,24 @@ class Linearisation:
             here: the hypothesis.
             own: proposals of effects, without the harmonics of this residual.
             first: the library at the model as given; None: this is it.
+
+        Raises:
+            SimulationError: the equations are not finite.
         """
         at = bare.equations.of(here.model())
         bare = dataclasses.replace(bare, noise=quieter(bare.noise, at, bare.mask)).with_offsets_of(at)
         seen = rows_of(bare)
         work = weighed(bare, at, filter_error(bare.equations, here))
         work, in_slopes = along_expected(work, here, at)
-        made = linearised(here, work, at=at)
-        slopes = (made.free or made.regression).X[:, : len(here.factors)]
+        along = at if work.bare.along is None else work.bare.along.of(here.model())
+        left, slopes = work.whiten(at.residual), slopes_of_numbers(here, along, work)
+        require_finite(left, slopes)
         listed = with_harmonics(at, own, runs_of(bare.mask, list(seen.lengths), len(at.kinds)))
         if first is None:
-            check_memory(listed, bare.mask.size, sum(float(along.t[-1] - along.t[0]) for along in at.motions))
-        along = at if work.bare.along is None else work.bare.along.of(here.model())
+            check_memory(listed, bare.mask.size, sum(float(each.t[-1] - each.t[0]) for each in at.motions))
         whole = slopes, work.nuisance, work.nuisance_sigma
         library = Library(along, work.whiten, here, *whole, tuple(listed), bare.noise, first)
-        return cls(Space(library, work.whiten(at.residual), seen, in_slopes), work.bare)
+        return cls(Space(library, left, seen, in_slopes), work.bare)
 
     def best_fitted(self, structure: Structure, steps: int, *, whole: bool = False) -> Fit:
         """The fit of a structure, from its coefficients in the linear equations.

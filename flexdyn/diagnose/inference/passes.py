@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,30 +19,27 @@ from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.linearisation import Linearisation
 from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.odds_by_fits import (
+    LAST_STEPS,
     best_by_fits,
     best_where_not_linear,
-    in_space,
-    log_posterior,
+    most_likely_visited,
     odds_by_fits,
 )
 from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.shapes import likeliest_shapes
-from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.diagnose.inference.space import Identities, Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, waits
 from flexdyn.diagnose.inference.weights import for_fit, quieter
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
-from flexdyn.errors import SimulationError
 
 MOST_PASSES = 5
 """Linearisations at most."""
 MODEL_ERROR_ROUNDS = 25
 """Times that model error and structure are estimated in turn, at most."""
-NUMBERS_STEPS, PASS_STEPS, LAST_STEPS = 3, 4, 8
-"""Gauss-Newton steps at most: of the file's numbers alone, between two linearisations, and in the end."""
-Places = frozenset[tuple[object, ...]]
-"""Kind and place of every candidate of a structure."""
+NUMBERS_STEPS, PASS_STEPS = 3, 4
+"""Gauss-Newton steps at most: of the file's numbers alone, and between two linearisations."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +65,7 @@ class Posterior:
     settled: bool
     known: Mapping[Structure, float]
     expected: tuple[str, ...] = ()
-    earlier: tuple[Places, ...] = ()
+    earlier: tuple[Identities, ...] = ()
     by_fits: tuple[tuple[Structure, frozenset[int], float], ...] = ()
     left_out: Mapping[int, float] = dataclasses.field(default_factory=dict)
 
@@ -81,8 +77,7 @@ class Posterior:
     @lazy
     def other_linearisations(self) -> tuple[tuple[frozenset[int], float], ...]:
         """Candidates of this space that each of `earlier` holds, and their odds to the best structure by fits."""
-        place = {candidate.identity: c for c, candidate in enumerate(self.space.candidates)}
-        sets = [frozenset(place[each] for each in seen if each in place) for seen in self.earlier]
+        sets = [self.space.having(identities) for identities in self.earlier]
         return tuple(zip(sets, odds_by_fits(self.space, self.best, self.fitted, sets), strict=True)) if sets else ()
 
 
@@ -97,9 +92,9 @@ def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
     start = dataclasses.replace(start, fits_cycles=True)
     here = _in_tolerance(_numbers_alone(bare, start), start)
     first: Library | None = None
-    compared: list[Places] = []
-    passed: set[tuple[Places, Places]] = set()
-    visited: list[tuple[Places, Hypothesis]] = []
+    compared: list[Identities] = []
+    passed: set[tuple[Identities, Identities]] = set()
+    visited: list[tuple[Identities, Hypothesis]] = []
     for k in range(MOST_PASSES):
         tell(f"comparing structures: pass {k + 1} of at most {MOST_PASSES}", 0.05 + 0.6 * k / MOST_PASSES)
         near = Linearisation.of(bare, here, own, first)
@@ -111,7 +106,7 @@ def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
         if bare.equations.simulated or (bare.equations.computed.any() and best != stands):
             chosen = best_by_fits if bare.equations.simulated else best_where_not_linear
             best = chosen(space, best, near.fitted(hypothesis_of(space, stands), PASS_STEPS), stands)
-        places, at = (frozenset(space.candidates[c].identity for c, _ in each) for each in (best, stands))
+        places, at = space.identities(best), space.identities(stands)
         # Where the file's numbers are far off, nothing may look worth adding: only a fit's linearisation can say that.
         stays = k > 0 and _nonlinear(space, best) == _nonlinear(space, stands)
         # A structure that comes again counts where it comes from the same one: weights and slopes follow what stands.
@@ -124,7 +119,7 @@ def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
             break
         strong = best if bare.equations.simulated else _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1))
         here = dataclasses.replace(near.best_fitted(strong, PASS_STEPS).hypothesis, fits_cycles=True)
-        visited.append((frozenset(space.candidates[c].identity for c, _ in strong), here))
+        visited.append((space.identities(strong), here))
         space.forget()
     space.known = {}
     best = among_rivals(space, explore(space, [best]))
@@ -135,32 +130,6 @@ def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
     return Posterior(space, best, fitted, settled, space.known, earlier=earlier)
 
 
-def most_likely_visited(
-    space: Space, best: Structure, fitted: Fit, visited: list[tuple[Places, Hypothesis]]
-) -> tuple[Structure, Fit]:
-    """The most likely by fits of the last structure and those of earlier passes: a search that does not settle wanders.
-
-    Args:
-        space: of the last linearisation.
-        best: its best structure.
-        fitted: the fit of that one, under whose weights all are fitted.
-        visited: structures of earlier passes, and where their fits ended.
-    """
-    place = {candidate.identity: c for c, candidate in enumerate(space.candidates)}
-    most = log_posterior(space, best, fitted)
-    for places, there in visited:
-        if not places <= place.keys():
-            continue
-        structure = in_space(space, frozenset(place[each] for each in places))
-        with contextlib.suppress(SimulationError):
-            made = fit(there, fitted.space, steps=LAST_STEPS)
-            value = log_posterior(space, structure, made)
-            if value > most:
-                best, fitted, most = structure, made, value
-    space.value(best)  # it is one of those that are compared
-    return best, fitted
-
-
 def _numbers_alone(bare: Unweighted, start: Hypothesis) -> Hypothesis:
     """A first fit of the file's numbers."""
     at = bare.equations.of(start.model())
@@ -168,7 +137,7 @@ def _numbers_alone(bare: Unweighted, start: Hypothesis) -> Hypothesis:
     return fit(start, for_fit(bare, start), steps=NUMBERS_STEPS).hypothesis
 
 
-def linearised_elsewhere(compared: list[Places], places: Places) -> tuple[Places, ...]:
+def linearised_elsewhere(compared: list[Identities], places: Identities) -> tuple[Identities, ...]:
     """Structures at other linearisations.
 
     Those since the same one was compared before; if it never was, all but that at the file's numbers.

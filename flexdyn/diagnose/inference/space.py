@@ -22,6 +22,8 @@ from flexdyn.effects import Effect, JointEffect
 
 Structure = frozenset[tuple[int, int]]
 """Candidates that a structure holds, each with its grid point."""
+Identities = frozenset[tuple[object, ...]]
+"""Kind and place of every candidate of a structure."""
 
 
 class Space:
@@ -73,6 +75,14 @@ class Space:
             return None
         self.gram.grow()
         return len(candidate.points) - 1
+
+    def identities(self, structure: Structure) -> Identities:
+        """Kinds and places of a structure's candidates, which are the same in the spaces of all linearisations."""
+        return frozenset(self.candidates[c].identity for c, _ in structure)
+
+    def having(self, identities: Identities) -> frozenset[int]:
+        """Candidates of these kinds and places, as far as they are in this space."""
+        return frozenset(c for c, each in enumerate(self.candidates) if each.identity in identities)
 
     def columns(self, structure: Structure) -> Indices:
         """Columns of a structure's candidates (k,)."""

@@ -14,13 +14,12 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.expected import expected_data
 from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.linear import NOT_FINITE
+from flexdyn.diagnose.hypothesis.linear import require_finite
 from flexdyn.diagnose.hypothesis.unweighted import Unweighted
 from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
 from flexdyn.diagnose.inference.model_error import ModelError, Seen
 from flexdyn.diagnose.inference.whitening import Tempered
 from flexdyn.diagnose.parallel import SILENT
-from flexdyn.errors import SimulationError
 
 
 def quieter(recorded: SampleNoise, at: Equations, mask: Flags) -> SampleNoise:
@@ -78,8 +77,7 @@ def for_fit(bare: Unweighted, there: Hypothesis, error: ModelError | None = None
     with SILENT():
         plain = weighed(bare, at)
         left = plain.white(at.residual)
-        if not np.isfinite(left @ left):
-            raise SimulationError(NOT_FINITE, reason="overflow")
+        require_finite(left)
         error = error or ModelError.of(left, rows_of(bare), about_mean=True)
     if bare.along is None:  # the hypothesis has springs that the linearisation lacks
         plain, _ = along_expected(plain, there, at)
