@@ -33,6 +33,7 @@ from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.posterior_of_fit import squares_left
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.inference.structure_model import effect_of, hypothesis_of
+from flexdyn.diagnose.inference.substitutes import in_common, own_share
 from flexdyn.effects import Effect
 
 Share = Callable[[int], float]
@@ -188,7 +189,7 @@ def _masses(found: Posterior) -> Masses:
     alike = best | {c for c, inside in space.contained.items() if best & set(inside)}
     alike |= {each for c in best for each in (*space.contained[c], *standing_in(masses, best, {c}))}
     for other in frozenset().union(*(each for each, _ in found.other_linearisations)) - alike:
-        if any(space.own_share(found.best, c, other) <= SMALLEST_TORQUE_SHARE for c in best):
+        if any(own_share(space, found.best, c, other) <= SMALLEST_TORQUE_SHARE for c in best):
             alike |= {other}
     if not found.other_linearisations:
         return masses
@@ -218,7 +219,7 @@ def _may_stand_in(found: Posterior, masses: Masses, of: int, c: int) -> bool:
     there = masses.structures[place]
     instead = frozenset(k for k, _ in found.best) - {of} | {c}
     fitted = any(frozenset(k for k, _ in each) == instead for each, _, _ in found.by_fits)  # its odds say what it makes
-    if not fitted and space.in_common(found.best, of, (c, dict(there)[c])) < LEAST_IN_COMMON:
+    if not fitted and in_common(space, found.best, of, (c, dict(there)[c])) < LEAST_IN_COMMON:
         return False
     number = space.candidates[c].number
     return number is None or hypothesis_of(space, there).is_beyond(number)

@@ -66,7 +66,7 @@ class FittedStructure:
         """
         if self.numbers != other.numbers or abs(self.likelihood - other.likelihood) > EVEN_ODDS_WINDOW:
             return self
-        places = space.log_places(self.structure) - space.log_places(other.structure)
+        places = space.places.log_prior(self.structure) - space.places.log_prior(other.structure)
         return dataclasses.replace(self, value=other.value + places)
 
 

@@ -127,4 +127,4 @@ def _merged(structure: Structure, parts: frozenset[int], whole: int) -> Structur
 
 def _even(space: Space, structure: Structure) -> float:
     """Log posterior at even prior odds of places."""
-    return space.value(structure) - space.log_places(structure)
+    return space.value(structure) - space.places.log_prior(structure)

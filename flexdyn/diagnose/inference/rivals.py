@@ -36,10 +36,10 @@ def among_rivals(space: Space, best: Structure) -> Structure:
 
 def _evenly(space: Space, best: Structure) -> None:
     """Compare what the prior of places alone may hold down: other laws in the place of each, and less of them."""
-    scan, bound = Scan(space), space.value(best) - space.log_places(best) - EVEN_ODDS_WINDOW
+    scan, bound = Scan(space), space.value(best) - space.places.log_prior(best) - EVEN_ODDS_WINDOW
 
     def stands(structure: Structure, value: float) -> bool:
-        return value - space.log_places(structure) > bound
+        return value - space.places.log_prior(structure) > bound
 
     for each in sorted(best):
         rest = best - {each}

@@ -25,8 +25,8 @@ class Scan:
 
     def __init__(self, space: Space) -> None:
         self.space = space
-        self.kinds = sorted(space.places)
-        self.total = np.array([space.places[kind] for kind in self.kinds])
+        self.kinds = sorted(space.places.counts)
+        self.total = np.array([space.places.counts[kind] for kind in self.kinds])
         self.clash = self._clashing()
         self._tabled()
 
@@ -48,12 +48,12 @@ class Scan:
         cost = [self.space.costs(c, p) for c, p in self.owner]
         self.grid = np.array(cost) - np.log([candidates[c].choices for c in self.of])
         self.grid += [log_harmonic(candidates[c], p) for c, p in self.owner]
-        groups = [self.space.groups[c] for c in self.of]
+        groups = [self.space.places.groups[c] for c in self.of]
         self.counts = np.array([[kind in each for kind in self.kinds] for each in groups], float)
         self.alike: dict[tuple[str, object], list[int]] = {}
         for k, c in enumerate(self.of.tolist()):
-            for group in self.space.groups[c]:
-                self.alike.setdefault((group, self.space.place_in(group, c)), []).append(k)
+            for group in self.space.places.groups[c]:
+                self.alike.setdefault((group, self.space.places.place_in(group, c)), []).append(k)
 
     def _clashing(self) -> list[Indices]:
         """Candidates that may not stand beside each: itself, and laws that contain it or that it contains."""
@@ -75,7 +75,7 @@ class Scan:
         if self.size != self.space.matrix.used:
             self._tabled()
         gain = self.space.gram.additions(self.space.columns(structure), self.tables) + self.grid
-        held = self.space.held(structure)
+        held = self.space.places.taken(c for c, _ in structure)
         there = [group for group, _ in held]
         counts = np.array([float(there.count(kind)) for kind in self.kinds])
         a, b = np.array([odds_of(kind) for kind in self.kinds]).T
