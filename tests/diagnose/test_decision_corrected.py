@@ -12,9 +12,10 @@ from scipy.stats import norm
 import flexdyn as fd
 from flexdyn.diagnose.constants import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.corrected import corrected, leaves_noise
+from flexdyn.diagnose.decision.corrected import corrected
 from flexdyn.diagnose.decision.findings import reported_names
 from flexdyn.diagnose.decision.gaps import nearer
+from flexdyn.diagnose.decision.last_fit import leaves_noise
 from flexdyn.diagnose.decision.model_effects import possible, with_elasticity
 from flexdyn.diagnose.decision.run import diagnose
 from flexdyn.diagnose.decision.significance import is_significant, least_deviation

@@ -14,8 +14,9 @@ from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.hypothesis.workspace import weighed
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.library import Library
+from flexdyn.diagnose.shooting.internal_states import INTERNAL_STATE_WIDTH
 from flexdyn.diagnose.shooting.shooter import Shooter
-from flexdyn.diagnose.shooting.starts import INTERNAL_STATE_WIDTH, window_starts
+from flexdyn.diagnose.shooting.starts import window_starts
 from flexdyn.diagnose.shooting.windows import Windows
 
 HYSTERESIS = fd.effects.SpringHysteresis("elbow", stiffness=400.0, width=0.004)

@@ -8,11 +8,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flexdyn.diagnose.decision.calibrated import calibrated
-from flexdyn.diagnose.decision.corrected import Corrected, corrected, leaves_noise
+from flexdyn.diagnose.decision.corrected import Corrected, corrected
 from flexdyn.diagnose.decision.drawn import compared_motions, ordered_pictures
 from flexdyn.diagnose.decision.figures import OnFit, OnTest, on_fit, on_test
 from flexdyn.diagnose.decision.findings import calibration, findings, reported_names, with_experiments
 from flexdyn.diagnose.decision.forces import are_prescribed, loops
+from flexdyn.diagnose.decision.last_fit import leaves_noise
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.notes import notes, statistics, unsettled_numbers
