@@ -65,10 +65,7 @@ def test_an_effect_in_a_transmission_is_as_large_as_its_torque(
     bare, start = prepared(model.replace(effects=[]), (measured(model, recording),))
     here = dataclasses.replace(start, effects=(HYSTERESIS,))
     at, work = bare.equations.of(here.model()), weighed(bare)
-    library = Library(
-        at, work.whiten, here, work.numbers, work.nuisance, work.nuisance_sigma, tuple(everything(at)),
-        bare.noise,
-    )  # fmt: skip
+    library = Library(at, work, here, work.numbers, tuple(everything(at)))
     change = at.residual - bare.equations.residual
     share, _ = library.sizes.of(HYSTERESIS, change)
     of_torque = float(np.sqrt(np.mean(_torque(run) ** 2)) / run.tau[:, 1].std())

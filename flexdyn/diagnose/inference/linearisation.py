@@ -80,8 +80,7 @@ class Linearisation:
         listed = with_harmonics(at, own, runs_of(bare.mask, list(seen.lengths), len(at.kinds)))
         if first is None:
             check_memory(listed, bare.mask.size, sum(float(each.t[-1] - each.t[0]) for each in at.motions))
-        whole = slopes, work.nuisance, work.nuisance_sigma
-        library = Library(along, work.whiten, here, *whole, tuple(listed), bare.noise, first)
+        library = Library(along, work, here, slopes, tuple(listed), first)
         return cls(Space(library, left, seen, in_slopes), work.bare)
 
     def best_fitted(self, structure: Structure, steps: int, *, whole: bool = False) -> Fit:
@@ -174,8 +173,7 @@ class Linearisation:
         """
         priors, most = beliefs(self.space.library, there.effects), -math.inf
         for k in range(WEIGHTINGS):
-            work = for_fit(self.near, there, error)
-            work = dataclasses.replace(work, beliefs=priors)
+            work = dataclasses.replace(for_fit(self.near, there, error), beliefs=priors)
             made = _natural(fit(there, work, steps=steps), self.space, work)
             there, likely = made.hypothesis, self._log_density(made.hypothesis)
             if k == 0 or likely > most:
