@@ -51,6 +51,7 @@ def with_sizes(model: FlexibleJointModel, data: tuple[Measured, ...]) -> Flexibl
     effects, tolerance = list(bare.effects), known_tolerances(model.tolerance)
 
     def begin(i: int, name: str, effect: Effect, value: float, width: float) -> None:
+        """Let an effect begin at a value, as uncertain as its width."""
         first = math.copysign(max(abs(value), FIRST_SIZE * width), value)
         effects[i] = effect.replace(**{name: first})
         tolerance[f"effects[{i}].{name}"] = max(width / abs(first), UNKNOWN_TOLERANCE)

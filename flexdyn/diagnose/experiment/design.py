@@ -85,6 +85,7 @@ def _rehearsed(bench: RehearsalBench, some: Sequence[PlannedMotion]) -> list[Reh
     ample: list[int] = []
 
     def rehearse(k: int) -> Rehearsal | None:
+        """A motion, unless one before it has already separated enough or it fails."""
         if any(first < k for first in ample):
             return None
         with contextlib.suppress(*FAILURES):
@@ -104,6 +105,7 @@ def _moves(bench: RehearsalBench, joints: Sequence[int]) -> Iterator[PlannedMoti
     reach, true = bench.reach, bench.space.equations.true
 
     def at(k: int) -> list[list[PlannedMotion]]:
+        """The motions of each joint at a pose."""
         words = [_other_joints(true, reach.poses[k], j, POSES[k]) for j in joints]
         return [moves(reach, j, true, reach.poses[k], where) for j, where in zip(joints, words, strict=True)]
 

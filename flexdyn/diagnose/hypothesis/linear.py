@@ -107,6 +107,7 @@ def _rows(hypothesis: Hypothesis, at: Equations, along: Equations, space: Worksp
     """White residuals (rows,) and their slopes by the numbers, the unknowns and the encoders' offsets (rows, k)."""
 
     def slope(unknown: tuple[Effect, str]) -> Array:
+        """Derivative by an unknown, in its scale."""
         with SILENT():
             return tangent_scale(*unknown) * tangent(along, *unknown)
 

@@ -167,6 +167,7 @@ def _proposal(kind: type[JointEffect], place: Mapping[str, str], equations: Equa
     grid = [p for p in _thinned_grid([grids[name] for name in others]) if law.works(base | _by_name(others, p))]
 
     def build(point: Point, x: Sequence[float]) -> Effect | None:
+        """The user's law with these numbers; None: it does not take them."""
         try:
             return law.effect(_by_name(others, point) | _by_name(linear, x))
         except InputError:  # out of its bounds

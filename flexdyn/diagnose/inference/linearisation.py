@@ -138,6 +138,7 @@ class Linearisation:
         """First values of a structure: shares of its step are tried as long as each is more likely than the last."""
 
         def begun(share: float) -> tuple[float, Hypothesis]:
+            """Log density of the first values after a share of the step, and these values."""
             there = self._begun(structure, whole=whole, share=share)
             return self._log_density(there), there
 

@@ -85,6 +85,7 @@ def fit_if_likely(
         return -math.inf, None
 
     def hopeless(made: Fit) -> bool:
+        """Whether even what its step promises does not reach the least value."""
         return log_posterior(space, structure, made) + 0.5 * (made.reached - made.chi2) <= least
 
     if not hopeless(made):

@@ -39,6 +39,7 @@ def _evenly(space: Space, best: Structure) -> None:
     scan, bound = Scan(space), space.value(best) - space.places.log_prior(best) - EVEN_ODDS_WINDOW
 
     def stands(structure: Structure, value: float) -> bool:
+        """Whether a structure is likely but for the prior of places."""
         return value - space.places.log_prior(structure) > bound
 
     for each in sorted(best):

@@ -29,6 +29,7 @@ def beliefs(maker: ColumnMaker, effects: tuple[Effect, ...]) -> Belief:
     known: dict[tuple[object, ...], tuple[float, float]] = {}
 
     def known_belief(effect: Effect, name: str) -> tuple[float, float]:
+        """The prior of a parameter: see `Belief`."""
         nothing = effect.neutral.get(name)
         if nothing is None or not np.isfinite(nothing):
             return belief(maker, effect, name)

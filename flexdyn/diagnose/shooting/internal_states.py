@@ -57,6 +57,7 @@ def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
     joint = str(getattr(effect, "joint", ""))
 
     def position(signal: str) -> Array | None:
+        """A joint's position by one encoder (samples,); None: it was not recorded."""
         name = f"{signal}.{joint}"
         if name not in recording:
             return None
