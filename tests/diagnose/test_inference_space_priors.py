@@ -20,7 +20,7 @@ from flexdyn.diagnose.constants import (
     WHOLE_NUMBER_LOG_ODDS,
 )
 from flexdyn.diagnose.inference.candidate import Column
-from flexdyn.diagnose.inference.search import Scan
+from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_prior import PriorOfPlaces
 from flexdyn.diagnose.inference.substitutes import own_share

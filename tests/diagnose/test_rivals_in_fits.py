@@ -17,7 +17,7 @@ from flexdyn.diagnose.decision.one_law import with_best
 from flexdyn.diagnose.decision.rivals_in_fits import rivals_in_fits
 from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.inference.passes import Posterior, posterior
-from flexdyn.diagnose.inference.search import Scan
+from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.inference.substitutes import in_common
 from tests.arms import two_link

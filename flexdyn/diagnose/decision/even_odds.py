@@ -14,7 +14,7 @@ from dataclasses import replace
 from flexdyn.diagnose.constants import ESTABLISHED, EVEN_ODDS_WINDOW, SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.decision.masses import Masses, Set
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.inference.search import nested
+from flexdyn.diagnose.inference.scan import nested
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.inference.substitutes import own_share
 

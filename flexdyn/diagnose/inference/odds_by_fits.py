@@ -14,7 +14,7 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.posterior_of_fit import STEPS_OF_A_FIT, log_posterior, squares_left
-from flexdyn.diagnose.inference.search import Scan
+from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Identities, Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
 from flexdyn.errors import SimulationError

@@ -8,7 +8,8 @@ from flexdyn.diagnose.constants import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.hypothesis.proposal import Point
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.refinement import refined
-from flexdyn.diagnose.inference.search import Scan, explore
+from flexdyn.diagnose.inference.scan import Scan
+from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import Space, Structure
 
 

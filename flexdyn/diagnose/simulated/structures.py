@@ -8,7 +8,7 @@ import math
 from flexdyn.diagnose.constants import CERTAIN_SIGMAS, ERRORS_PER_WINDOW, NOISE_LEVEL_ERROR, STRONG_GAIN_SHARE
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.inference.passes import Posterior
-from flexdyn.diagnose.inference.search import Scan
+from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.shooting.gap import Shot
