@@ -10,7 +10,8 @@ from dataclasses import replace
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.experiment.bench import RehearsalBench
-from flexdyn.diagnose.experiment.moves import VARIED_MOTIONS, PlannedMotion, moves, two_digits
+from flexdyn.diagnose.experiment.joint_paths import two_digits
+from flexdyn.diagnose.experiment.moves import VARIED_MOTIONS, PlannedMotion, moves
 from flexdyn.diagnose.experiment.plan import planned
 from flexdyn.diagnose.experiment.reach import load_mass
 from flexdyn.diagnose.experiment.rehearsal import CLEAR_DELTA_BIC, LONGEST_MOTION, Rehearsal
