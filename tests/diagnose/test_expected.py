@@ -187,13 +187,20 @@ def _stiff(factor: float) -> fd.FlexibleJointModel:
     return fd.load_model("scara_two_link").replace(joints=joints, effects=[], tolerance=0.1)
 
 
-def test_what_noise_does_to_rows_is_in_their_units(stiff: fd.Recording) -> None:
-    """The same by equation, for a hypothesis with a softer spring and a weaker motor than the file says."""
+@pytest.mark.parametrize(
+    "bent", [[], [fd.effects.HardeningSpring("shoulder", cubic=3e11)]], ids=["linear", "hardening"]
+)
+def test_what_noise_does_to_rows_is_in_their_units(stiff: fd.Recording, bent: list[fd.effects.Effect]) -> None:
+    """The same by equation, for a hypothesis with a softer spring and a weaker motor than the file says.
+
+    A spring that hardens is steeper where it is wound.
+    """
     model = _stiff(1.0)
     bare, _ = prepared(model, (measured(model, stiff),))
     softer = {n: 0.7 for n in file_numbers(model) if n.parameter == "stiffness"}
     weaker = fd.effects.TorqueConstantError("shoulder", gain=-0.4)
-    at = bare.equations.of(model.replace(effects=[weaker, *(n.error(x) for n, x in softer.items())]))
+    errors = [n.error(x) for n, x in softer.items()]
+    at = bare.equations.of(model.replace(effects=[weaker, *bent, *errors]))
     rng, (data,), (along,) = np.random.default_rng(1), at.data, at.motions
     samples = along.lost + at.filters.instants(len(along.t))
     for signal, size in (("q", 1e-6), ("theta", 1e-6), ("tau", 0.1)):

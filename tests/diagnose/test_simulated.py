@@ -149,6 +149,19 @@ def test_windows_decide_about_a_part_that_the_equations_leave_without_a_name(tmp
     assert weighed.known[found.best] > weighed.known[nothing] + 100.0
 
 
+def test_windows_at_noise_lack_nothing(tmp_path: Path) -> None:
+    """With the friction nothing more is simulated; without it the search adds it."""
+    found, _, windows = _compared(tmp_path, 0.0, LEVEL)
+    simulated, nothing = Simulated(found, windows), frozenset[tuple[int, int]]()
+    simulated.fit(found.best)
+    assert simulated.grown(found.best) == found.best
+    assert set(simulated.fits) == {found.best}
+    simulated.fit(nothing)
+    grown = simulated.grown(nothing)
+    assert grown > nothing
+    assert not unlike_noise(simulated.fits[grown].shot)
+
+
 def test_windows_promise_what_is_missing_and_nothing_where_nothing_is(tmp_path: Path) -> None:
     """A weak force that the recording does not hold: without its law the windows ask for it, with it for nothing."""
     offset = 0.003

@@ -11,7 +11,7 @@ from flexdyn.diagnose.equations.computed_positions import LEAST_TRANSMITTED, act
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION
 from flexdyn.diagnose.equations.motion import SmoothedMotion
-from flexdyn.diagnose.equations.terms import torque_slope
+from flexdyn.diagnose.equations.terms import spring_slope, torque_slope
 
 Coefficient = float | Array
 """One number, or one for each time (times,)."""
@@ -51,6 +51,17 @@ def passed_torque(equations: Equations, along: SmoothedMotion, j: int) -> Coeffi
     return np.sqrt(np.maximum(equations.filters.rows(slope**2), 0.0))
 
 
+def _stiffness(equations: Equations, along: SmoothedMotion, j: int) -> Coefficient:
+    """Torque that noise of a measured deflection makes, over that noise (times,) [N m/rad or N/m].
+
+    Root mean square over a row's filter; that of a linear spring is its stiffness.
+    """
+    slope = spring_slope(equations.true, acting_on(equations.true, j), along, j)
+    if slope is None:
+        return float(equations.true.stiffness[j])
+    return np.sqrt(np.maximum(equations.filters.rows(slope**2), 0.0))
+
+
 def _lost(equations: Equations, along: SmoothedMotion, j: int) -> Coefficient:
     """Friction of a motor over the torque that its spring carries, of laws that take the load (times,) [1]."""
     true = equations.true
@@ -73,7 +84,8 @@ def _own_coefficients(
         share: torque that the motor must give over that which the spring carries [1].
     """
     model = equations.true
-    K, D = model.stiffness[j], model.damping[j]
+    D, elastic = model.damping[j], bool(model.elastic[j])
+    K = _stiffness(equations, along, j) if elastic and kind in (MOTOR, LINK, SENSOR) else 0.0
     passed = 1.0 / share if equations.computed[j] and not along.data.has_q[j] else 1.0  # of the motor's torque
     if kind in (MOTOR, TOTAL):
         yield ("tau", j), 0, passed
@@ -84,7 +96,7 @@ def _own_coefficients(
         MOTOR: (-K * share, -D * share),
         LINK: (K, D),
         TRANSMISSION: (1.0,),
-        SENSOR: (-K,) if model.elastic[j] else (),
+        SENSOR: (-K,) if elastic else (),
     }
     for order, value in enumerate(bent.get(kind, ())):
         yield ("q", j), order, -value

@@ -61,8 +61,37 @@ def spring_torque(model: FlexibleJointModel, effects: Sequence[JointEffect], mot
     Kinematic error first, then dead zones, then every spring law; hysteresis takes the result. The torque on the rotor
     is the springs' torque times the slope of the kinematic error.
     """
-    K, D = model.stiffness[j], model.damping[j]
-    true, theta = motion.delta[:, j], motion.theta[:, j]
+    true, D = motion.delta[:, j], model.damping[j]
+    springs, slope = _springs_at(model, effects, motion, j, true)
+    dampers = D * motion.ddelta[:, j]
+    for effect in effects:
+        if effect.stage == "spring" and effect.of_velocity:
+            dampers = dampers + effect.torque(true, motion.ddelta[:, j], t=motion.t)
+    return np.stack([springs + dampers, slope * springs + dampers], axis=1)
+
+
+def spring_slope(
+    model: FlexibleJointModel, effects: Sequence[JointEffect], motion: SmoothedMotion, j: int
+) -> Array | None:
+    """Slope of the springs' torque over the deflection (samples,) [N m/rad or N/m]; None: the spring is linear.
+
+    By differences. What remembers the way of the deflection follows its noise in part; here it does not.
+    """
+    bent = [e for e in effects if isinstance(e, DeflectionEffect) or (e.bends_spring and e.stage == "spring")]
+    bent = [e for e in bent if not isinstance(e, MemoryEffect)]
+    if not bent:
+        return None
+    true = motion.delta[:, j]
+    step = SLOPE_STEP * max(float(np.abs(true).max()), 1e-300)
+    above, below = (_springs_at(model, bent, motion, j, true + x)[0] for x in (step, -step))
+    return np.asarray((above - below) / (2.0 * step))
+
+
+def _springs_at(
+    model: FlexibleJointModel, effects: Sequence[JointEffect], motion: SmoothedMotion, j: int, true: Array
+) -> tuple[Array, Array]:
+    """Torque of the springs at deflections, and its share that reaches the rotor (samples,) each."""
+    theta = motion.theta[:, j]
     seen, slope = true, np.ones(len(true))
     bent = [e for e in effects if isinstance(e, DeflectionEffect)]
     for bend in sorted(bent, key=lambda e: e.order):
@@ -71,17 +100,13 @@ def spring_torque(model: FlexibleJointModel, effects: Sequence[JointEffect], mot
             slope = slope + bend.slope(theta)
         else:
             seen = bend.deflection(seen, theta)
-    springs = K * seen
+    springs = model.stiffness[j] * seen
     for effect in effects:
         if effect.side == "transmission" and isinstance(effect, MemoryEffect):
             springs = springs + effect.along(seen)
         elif effect.stage == "spring" and not effect.of_velocity:
             springs = springs + torque_of(effect, seen, motion.ddelta[:, j], t=motion.t, tau=motion.tau[:, j])
-    dampers = D * motion.ddelta[:, j]
-    for effect in effects:
-        if effect.stage == "spring" and effect.of_velocity:
-            dampers = dampers + effect.torque(true, motion.ddelta[:, j], t=motion.t)
-    return np.stack([springs + dampers, slope * springs + dampers], axis=1)
+    return springs, slope
 
 
 def friction_torque(

@@ -65,9 +65,10 @@ def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) ->
 def best_where_not_linear(space: Space, best: Structure, base: Fit, stands: Structure) -> Structure:
     """The best structure of a linearisation, or one candidate that explains everything alone by a fit.
 
-    The linear equations may be far from right for small errors of the file's numbers where a position is not measured.
-    So if the fit of the best structure does not keep what they promise, the candidates that promise most alone are
-    fitted. One that leaves noise alone, and is more likely, is taken.
+    The linear equations may be far from right for small changes of the file's numbers: where a position is not
+    measured, or where encoders are so noisy that the rows' covariance follows the numbers. So if the fit of the best
+    structure does not keep what they promise, the candidates that promise most alone are fitted. One that leaves noise
+    alone, and is more likely, is taken.
 
     Args:
         space: of the linearisation.

@@ -103,7 +103,7 @@ def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
         know(space=space)
         stands = standing(space)
         best = _best_here(space, stands)
-        if bare.equations.simulated or (bare.equations.computed.any() and best != stands):
+        if bare.equations.simulated or best != stands:
             chosen = best_by_fits if bare.equations.simulated else best_where_not_linear
             best = chosen(space, best, near.fitted(hypothesis_of(space, stands), PASS_STEPS), stands)
         places, at = space.identities(best), space.identities(stands)

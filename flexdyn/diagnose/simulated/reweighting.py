@@ -15,6 +15,7 @@ from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.structures import LARGEST_QUESTIONED, Simulated, unlike_noise
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
 from flexdyn.effects import JointEffect
+from flexdyn.errors import FlexdynError
 
 COMPARED_WINDOWS = 16
 """Windows over which structures are compared, spread evenly: 8 s; what is found is held against all of them."""
@@ -33,11 +34,13 @@ def share_in_windows(simulated: Simulated, candidate: int) -> float:
     found, windows = simulated.found, simulated.windows
     rest = frozenset(each for each in found.best if each[0] != candidate)
     simulated.start(found.best)
-    simulated.start(rest)
-    if found.best not in simulated.fits or rest not in simulated.fits:
+    if found.best not in simulated.fits:
         return 0.0
     whole = simulated.fits[found.best].shot.left
-    without = shoot(simulated.fits[rest].made.hypothesis.tolerated().seen(), windows).left
+    try:
+        without = shoot(simulated.by_equations(rest).hypothesis.tolerated().seen(), windows).left
+    except FlexdynError:
+        return 0.0
     return max(without - whole, 0.0) / (max(whole - 1.0, 0.0) + NOISE_LEVEL_ERROR)
 
 

@@ -7,6 +7,7 @@ import math
 
 from flexdyn.diagnose.constants import CERTAIN_SIGMAS, ERRORS_PER_WINDOW, NOISE_LEVEL_ERROR, STRONG_GAIN_SHARE
 from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Structure
@@ -18,7 +19,8 @@ from flexdyn.diagnose.simulated.window_scan import Addition, Responses, is_asked
 from flexdyn.errors import FlexdynError
 
 SWAPS, ADDITIONS = 2, 2
-"""Candidates that are tried in the place of each one, and beside all: so many by the equations and by windows each."""
+"""Candidates that are tried in the place of each one, and beside all: so many by the equations, so many by windows, and
+so many of those of which windows say nothing before they are simulated."""
 LARGEST_QUESTIONED = 4
 """Candidates of a structure, at most, whose neighbours are simulated: larger ones imitate what the catalogue lacks."""
 SEARCH_ROUNDS = 3
@@ -66,12 +68,15 @@ class Simulated:
         """Simulate with the numbers of the equations; a structure that cannot be simulated is left out."""
         if structure in self.fits:
             return
-        found = self.found
         with contextlib.suppress(FlexdynError):
-            here = hypothesis_of(found.space, structure, whole=True)
-            whole = structure == found.best
-            made = found.fitted if whole else fit(here, found.fitted.space, steps=EQUATIONS_FIT_STEPS)
-            self._take(structure, WindowFit.of(made, self.windows))
+            self._take(structure, WindowFit.of(self.by_equations(structure), self.windows))
+
+    def by_equations(self, structure: Structure) -> Fit:
+        """A structure with the numbers of the equations."""
+        if structure == self.found.best:
+            return self.found.fitted
+        here = hypothesis_of(self.found.space, structure, whole=True)
+        return fit(here, self.found.fitted.space, steps=EQUATIONS_FIT_STEPS)
 
     def start_with(self, base: Structure, more: Addition) -> None:
         """Simulate a structure that was fitted with one candidate more."""
@@ -115,8 +120,11 @@ class Simulated:
             self.fit(structure)
 
     def grown(self, here: Structure) -> Structure:
-        """A fitted structure with what its windows lack, candidate by candidate, as long as that is worthwhile."""
-        if len(here) >= LARGEST_QUESTIONED:
+        """A fitted structure with what its windows lack, candidate by candidate, as long as that is worthwhile.
+
+        Windows that are at noise lack nothing: more would only change in which ones a joint sticks.
+        """
+        if len(here) >= LARGEST_QUESTIONED or not unlike_noise(self.fits[here].shot):
             return here
         for more in self._first(self._with_one_more(here, ADDITIONS))[:1]:
             self.fit(more)
@@ -125,12 +133,16 @@ class Simulated:
         return here
 
     def _with_one_more(self, base: Structure, most: int, but: int | None = None) -> list[Structure]:
-        """A structure with each of the candidates that the equations, or its windows, like best; simulated."""
+        """A structure with each of the candidates that the equations, or its windows, like best; simulated.
+
+        No linear response tells of a spring that makes a rigid joint vibrate: such candidates are simulated anyway.
+        """
         liked = [point for _, point in Scan(self.found.space).additions(base) if point[0] != but]
         promised = {each.point: each for each in self._promising(base) if each.point[0] != but}
+        unasked = [point for point in liked if not is_asked(self.found.space, point[0])]
         if base in self.fitted:  # of others its windows say that they would be none
-            liked = [point for point in liked if point in promised or not is_asked(self.found.space, point[0])]
-        points = dict.fromkeys([*liked[:most], *list(promised)[:most]])
+            liked = [point for point in liked if point in promised]
+        points = dict.fromkeys([*liked[:most], *list(promised)[:most], *unasked[:most]])
         for point in points:
             if point in promised:
                 self.start_with(base, promised[point])
