@@ -45,8 +45,7 @@ class _Slopes:
         known = {key: regression.X[:, numbers + k] / scale for k, (key, scale) in enumerate(units)}
         unknowns = start.unknowns()
         if new := [key for key in unknowns if key not in known]:
-            at = base.space.equations.of(start.model())
-            along = at if space.bare.along is None else space.bare.along.of(start.model())
+            along = space.bare.sloping(base.space.equations.of(start.model()))
             with SILENT():
                 made = [tangent(along, *key) for key in new]
             known |= dict(zip(new, space.whiten(np.stack(made, axis=1)).T, strict=True))

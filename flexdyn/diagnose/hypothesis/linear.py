@@ -41,7 +41,7 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
     """
     at = at or space.equations.of(hypothesis.model())
     here = space.at(at)
-    along = at if space.bare.along is None else space.bare.along.of(hypothesis.model())
+    along = space.bare.sloping(at)
     scales = scales_of(hypothesis)
     taken = None if before is None else before.taken or before.hypothesis
     near = before if taken is not None and _near(hypothesis, taken) else None

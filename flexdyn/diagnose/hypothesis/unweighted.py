@@ -60,6 +60,10 @@ class Unweighted:
         by_numbers, unknown, states = _slopes_by_all(along, numbers, at, self.channels)
         return dataclasses.replace(self, numbers=by_numbers, unknown=unknown, states=states, along=along)
 
+    def sloping(self, at: Equations) -> Equations:
+        """Those along whose motion the slopes of a hypothesis are, whose own equations are given."""
+        return at if self.along is None else self.along.of(at.model)
+
     def with_offsets_of(self, at: Equations) -> Unweighted:
         """The same with the slopes of other equations by shapes of torques and by encoders' offsets.
 

@@ -74,7 +74,7 @@ class Linearisation:
         seen = rows_of(bare)
         work = weighed(bare, at, filter_error(bare.equations, here))
         work, in_slopes = along_expected(work, here, at)
-        along = at if work.bare.along is None else work.bare.along.of(here.model())
+        along = work.bare.sloping(at)
         left, slopes = work.whiten(at.residual), slopes_of_numbers(here, along, work)
         require_finite(left, slopes)
         listed = with_harmonics(at, own, runs_of(bare.mask, list(seen.lengths), len(at.kinds)))

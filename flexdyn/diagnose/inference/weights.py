@@ -73,7 +73,7 @@ def for_fit(bare: Unweighted, there: Hypothesis, error: ModelError | None = None
         SimulationError: its equations are not finite.
     """
     at = bare.equations.of(there.model())
-    bare = bare.with_offsets_of(at if bare.along is None else bare.along.of(there.model()))
+    bare = bare.with_offsets_of(bare.sloping(at))
     with SILENT():
         plain = weighed(bare, at)
         left = plain.white(at.residual)
