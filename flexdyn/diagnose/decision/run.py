@@ -142,7 +142,7 @@ def _diagnosed(
     bare, start = prepared(model, data)
     tell(STAGES[1], 0.05)
     compared = dataclasses.replace(posterior(bare, start), expected=expect)
-    plain = weighed(dataclasses.replace(bare, noise=compared.noise))
+    plain = weighed(dataclasses.replace(compared.bare, noise=compared.noise))
     compared, found = reported(compared, plain)
     know(found=found, noise=compared.noise)
     answer = concluded(plain, start, compared, found, (fitted, test))

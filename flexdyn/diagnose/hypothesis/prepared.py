@@ -55,8 +55,10 @@ def _through_pauses(bare: Unweighted, start: Hypothesis) -> Unweighted:
     long, encoder noise would make the links vibrate too much, or the file's numbers, fitted, leave more with them: then
     the vibration is so far off that its slopes mislead.
     """
-    following = Unweighted.of(dataclasses.replace(bare.equations, quasi_static=True), bare.noise, start.factors)
-    moving = dataclasses.replace(bare.equations, simulated=True)
+    following = Unweighted.of(
+        dataclasses.replace(bare.equations, quasi_static=True, simulated=False), bare.noise, start.factors
+    )
+    moving = dataclasses.replace(bare.equations, quasi_static=False, simulated=True)
     size = moving.true.n * sum(len(each.t) for each in moving.data)
     if not moving.unmeasured.any() or moving.sensed or size > MOST_SIMULATED or vibration_rules(moving, bare.noise):
         return following
@@ -66,6 +68,21 @@ def _through_pauses(bare: Unweighted, start: Hypothesis) -> Unweighted:
     except SimulationError:
         return following
     return behind if left[0] <= left[1] else following
+
+
+def chosen_again(bare: Unweighted, there: Hypothesis) -> Unweighted:
+    """Equations through pauses that suit what a fit has found; those that there are, if they suit it too.
+
+    An effect that the file lacks may make the one kind or the other useless.
+
+    Args:
+        bare: the equations that were chosen at the file's numbers.
+        there: the fitted hypothesis.
+    """
+    if not (bare.equations.quasi_static or bare.equations.simulated):
+        return bare
+    other = _through_pauses(bare, there)
+    return bare if other.equations.simulated == bare.equations.simulated else other
 
 
 def recorded_noise(data: tuple[Measured, ...]) -> SampleNoise:

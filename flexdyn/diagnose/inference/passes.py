@@ -13,6 +13,7 @@ from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.prepared import chosen_again
 from flexdyn.diagnose.hypothesis.unweighted import Unweighted
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.library import Library
@@ -47,6 +48,7 @@ class Posterior:
     """What was compared.
 
     Attributes:
+        bare: the equations of the model as given, without weights.
         space: candidates and their matrix, at the best structure and under its model error.
         best: the most likely structure.
         fitted: it, by Gauss-Newton.
@@ -59,6 +61,7 @@ class Posterior:
         left_out: candidates without which a fit is more likely: log odds by it, and what the equations promised [1].
     """
 
+    bare: Unweighted
     space: Space
     best: Structure
     fitted: Fit
@@ -81,12 +84,14 @@ class Posterior:
         return tuple(zip(sets, odds_by_fits(self.space, self.best, self.fitted, sets), strict=True)) if sets else ()
 
 
-def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
+def posterior(bare: Unweighted, start: Hypothesis, *, chosen: bool = False) -> Posterior:
     """Compare structures on the equations.
 
     Args:
         bare: the equations of the model as given, with the noise that the records show.
         start: the file's numbers where they stand.
+        chosen: whether the first fit has confirmed what the equations take unmeasured links for; else it decides, and
+            the comparison may begin anew.
     """
     own = everything(bare.equations)
     start = dataclasses.replace(start, fits_cycles=True)
@@ -104,8 +109,8 @@ def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
         stands = standing(space)
         best = _best_here(space, stands)
         if bare.equations.simulated or best != stands:
-            chosen = best_by_fits if bare.equations.simulated else best_where_not_linear
-            best = chosen(space, best, near.fitted(hypothesis_of(space, stands), PASS_STEPS), stands)
+            likeliest = best_by_fits if bare.equations.simulated else best_where_not_linear
+            best = likeliest(space, best, near.fitted(hypothesis_of(space, stands), PASS_STEPS), stands)
         places, at = space.identities(best), space.identities(stands)
         # Where the file's numbers are far off, nothing may look worth adding: only a fit's linearisation can say that.
         stays = k > 0 and _nonlinear(space, best) == _nonlinear(space, stands)
@@ -119,6 +124,8 @@ def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
             break
         strong = best if bare.equations.simulated else _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1))
         here = dataclasses.replace(near.best_fitted(strong, PASS_STEPS).hypothesis, fits_cycles=True)
+        if k == 0 and not chosen and (other := chosen_again(bare, here)) is not bare:
+            return posterior(other, start, chosen=True)
         visited.append((space.identities(strong), here))
         space.forget()
     space.known = {}
@@ -127,7 +134,7 @@ def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
     if not settled:
         best, fitted = most_likely_visited(space, best, fitted, visited)
     fitted = likeliest_shapes(space, best, fitted)
-    return Posterior(space, best, fitted, settled, space.known, earlier=earlier)
+    return Posterior(bare, space, best, fitted, settled, space.known, earlier=earlier)
 
 
 def _numbers_alone(bare: Unweighted, start: Hypothesis) -> Hypothesis:
