@@ -12,8 +12,8 @@ from flexdyn.cli.output import answer, cell, table
 from flexdyn.cli.plot import FromOption, MapsOption, ToOption, load_all, window
 from flexdyn.comparison.compare import Comparison
 from flexdyn.comparison.compare import compare as compare_two
-from flexdyn.diagnose.compared.models import ModelsCompared
 from flexdyn.diagnose.compared.models import compare_models as compare_arms
+from flexdyn.diagnose.compared.over_models import ModelsCompared
 from flexdyn.plots.picture import FILES
 
 COLUMNS = ("channel", "unit", "RMS", "largest", "at [s]", "bias", "RMS / spread")

@@ -13,7 +13,7 @@ from flexdyn.cli.recordings import files_beside
 from flexdyn.errors import InputError
 
 if TYPE_CHECKING:
-    from flexdyn.diagnose.report.measures import Record
+    from flexdyn.diagnose.report.origin import Record
     from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 CHECK, EXPLAIN = "--check", "--explain"
@@ -30,7 +30,7 @@ def block_of(text: str) -> tuple[float, float]:
 
 def record_of(model: str, fit: Sequence[Path], check: Sequence[Path], maps: Sequence[Path]) -> Callable[[], Record]:
     """What is told of the command and its files once it is done; files as they are now, before anything is read."""
-    from flexdyn.diagnose.report.measures import File, record
+    from flexdyn.diagnose.report.origin import File, record
 
     uses = [(Path(model), "model"), *((path, "fit") for path in fit), *((path, "test") for path in check)]
     uses += [(each, "channel map") for each in maps]

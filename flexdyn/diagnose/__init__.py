@@ -1,6 +1,7 @@
 """Diagnosis: where model and measurement disagree, which effects are missing, and the corrected model."""
 
-from flexdyn.diagnose.compared.models import ModelsCompared, compare_models
+from flexdyn.diagnose.compared.models import compare_models
+from flexdyn.diagnose.compared.over_models import ModelsCompared
 from flexdyn.diagnose.decision.forces import prescribed_forces
 from flexdyn.diagnose.decision.run import diagnose
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted

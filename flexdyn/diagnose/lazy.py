@@ -47,6 +47,7 @@ def last(compute: Callable[Concatenate[Any, Key], Value]) -> Callable[Concatenat
 
     @functools.wraps(compute)
     def known(self: Any, /, *given: Key.args, **named: Key.kwargs) -> Value:
+        """The last result, where the arguments are the same."""
         now = (*given, *named.values())
         before: tuple[tuple[Any, ...], Value] | None = self.__dict__.get(place)
         if before is None or list(map(id, before[0])) != list(map(id, now)):
@@ -62,6 +63,7 @@ def kept(compute: Callable[Concatenate[Any, Key], Value]) -> Callable[Concatenat
 
     @functools.wraps(compute)
     def known(self: Any, /, *key: Key.args, **named: Key.kwargs) -> Value:
+        """The result, computed at its first use."""
         found: dict[Any, Value] = self.__dict__.setdefault(place, {})
         if key not in found:
             found[key] = compute(self, *key, **named)

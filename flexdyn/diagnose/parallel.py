@@ -32,6 +32,7 @@ def in_parallel(work: Callable[[Item], Result], items: Iterable[Item]) -> list[R
     tasks = [(copy_context(), item) for item in items]
 
     def do(task: tuple[Context, Item]) -> Result:
+        """One piece of work, in the context of who asked for it."""
         return task[0].run(_unless_stopped, work, task[1])
 
     with ThreadPoolExecutor(max(2, os.cpu_count() or 2), thread_name_prefix="flexdyn-parallel") as pool:

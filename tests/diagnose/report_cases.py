@@ -10,17 +10,15 @@ import numpy as np
 import flexdyn as fd
 from flexdyn.diagnose.report.measures import (
     Calibration,
-    File,
     Gap,
     JointError,
     Left,
-    Record,
-    RecordingSpan,
     ResidualPlace,
     Shares,
     SignalError,
     Statistics,
 )
+from flexdyn.diagnose.report.origin import File, Record, RecordingSpan
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.suspects import Considered, Finding, Number, Structure, Suspect
 from flexdyn.diagnose.report.trace import MeasuredCurve, ResidualTrace, Trajectory

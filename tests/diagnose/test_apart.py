@@ -10,8 +10,8 @@ import flexdyn as fd
 from flexdyn.diagnose.data.measured import Measured, measured
 from flexdyn.diagnose.experiment.apart import Known, refitted, space_along
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.effects import SensorOffset
 from tests.diagnose.test_estimate import problem
 

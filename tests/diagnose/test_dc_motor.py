@@ -12,7 +12,7 @@ import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.number_columns import of_numbers
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.effects import CoulombFriction, Effect, ParameterError, ViscousFriction
 from flexdyn.model.uncertain_parameters import file_numbers, with_factors
 from flexdyn.simulation.electrical import with_asked_torque
@@ -97,7 +97,7 @@ def test_resistance_looks_like_a_weaker_motor_with_friction(tmp_path: Path) -> N
 def _equations(folder: Path, effects: list[Effect]) -> Equations:
     given = arm(folder, effects)
     data = (measured(given, with_asked_torque(given, record(arm(folder, HIDDEN)))),)
-    bare, _, _ = prepared(given, data)
+    bare, _ = prepared(given, data)
     return bare.equations
 
 
@@ -119,7 +119,7 @@ def test_needed_torque_is_that_of_the_volts(tmp_path: Path) -> None:
     """What the model needs for its own motion is what its motor was asked for, at another torque constant as well."""
     for effects in ([], [ParameterError("swing", parameter="torque_constant", factor=1.2)]):
         truth = arm(tmp_path, effects)
-        bare, _, _ = prepared(truth, (measured(truth, with_asked_torque(truth, record(truth))),))
+        bare, _ = prepared(truth, (measured(truth, with_asked_torque(truth, record(truth))),))
         equations, along = bare.equations, bare.equations.motions[0]
         needed, asked = equations.needed(along, 0), along.tau[:, 0]
         assert needed @ asked / (asked @ asked) == pytest.approx(1.0, abs=2e-3)

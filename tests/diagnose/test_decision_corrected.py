@@ -12,16 +12,18 @@ from scipy.stats import norm
 import flexdyn as fd
 from flexdyn.diagnose.constants import SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.corrected import corrected, leaves_noise
+from flexdyn.diagnose.decision.corrected import corrected
 from flexdyn.diagnose.decision.findings import reported_names
 from flexdyn.diagnose.decision.gaps import nearer
+from flexdyn.diagnose.decision.last_fit import leaves_noise
 from flexdyn.diagnose.decision.model_effects import possible, with_elasticity
 from flexdyn.diagnose.decision.run import diagnose
 from flexdyn.diagnose.decision.significance import is_significant, least_deviation
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.hypothesis.proposal import Proposal
-from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.hypothesis.workspace import weighed
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.passes import posterior
 from flexdyn.effects import (
@@ -109,10 +111,10 @@ def _turned(steps: float, friction: float = 0.0) -> fd.Recording:
 def test_an_effect_is_seen_where_its_size_is_more_than_its_error(tmp_path: Path, friction: float, seen: bool) -> None:
     """Dry friction that the wheel does not have is fitted with some size, within its standard deviations of nothing."""
     model = _wheel(tmp_path)
-    bare, noise, start = prepared(model, (measured(model, _turned(0.0, friction)),))
+    bare, start = prepared(model, (measured(model, _turned(0.0, friction)),))
     begun = CoulombFriction("axle", side="link", level=0.5)
     law = Proposal({"effect": "coulomb_friction", "joint": "axle", "side": "link"}, lambda point, x: begun)
-    made = fit(dataclasses.replace(start, effects=(begun,)), weighed(bare, noise))
+    made = fit(dataclasses.replace(start, effects=(begun,)), weighed(bare))
     assert is_significant(Candidate("coulomb_friction", law, None, [()], [], 1), made, 0.0) is seen
 
 
@@ -122,9 +124,9 @@ def test_a_number_is_seen_where_it_differs_from_the_files_by_more_than_its_error
 ) -> None:
     """The inertia of the wheel as its file has it, right or a fifth too small."""
     model = _wheel(tmp_path, factor * INERTIA)
-    bare, noise, start = prepared(model, (measured(model, _turned(0.0)),))
+    bare, start = prepared(model, (measured(model, _turned(0.0)),))
     number = next(each for each in start.factors if each.parameter == "link_inertia")
-    made = fit(dataclasses.replace(start, freed=frozenset({number})), weighed(bare, noise))
+    made = fit(dataclasses.replace(start, freed=frozenset({number})), weighed(bare))
     assert is_significant(Candidate("link_inertia", None, number, [()], [], 1), made, 0.0) is seen
 
 
@@ -142,8 +144,8 @@ def test_a_wave_is_named_also_below_a_step_of_the_encoder_and_rounding_is_not(tm
 def test_the_least_size_of_a_wave_follows_from_the_steps_that_were_passed(tmp_path: Path) -> None:
     """As a share of the torque it is what this part of the amplitude makes; of friction it is the share itself."""
     model = _wheel(tmp_path)
-    bare, noise, start = prepared(model, (measured(model, _turned(0.0)),))
-    library = posterior(bare, noise, start).space.library
+    bare, start = prepared(model, (measured(model, _turned(0.0)),))
+    library = posterior(bare, start).space.library
     friction = ViscousFriction("axle", side="motor", coefficient=1e-3)
     change = library.equations.residual / library.sizes.of(friction, library.equations.residual)[0]
     assert library.sizes.of(friction, change)[1] == SMALLEST_TORQUE_SHARE
@@ -161,8 +163,8 @@ def test_sizes_of_one_law_differ_from_nothing_together(tmp_path: Path) -> None:
     force = 4.0 * np.cos(4.4 * t) + 2.5 * np.cos(11.9 * t)
     x, _ = sliding(force, 1.0 / 500.0, INERTIA, 0.01)
     model = slider_model(tmp_path)
-    bare, noise, start = prepared(model, (measured(model, slider_recording(x, force, 500.0, levels, 0)),))
-    law, space = AsymmetricFriction("lift", side="link", level_positive=0.01, level_negative=0.01), weighed(bare, noise)
+    bare, start = prepared(model, (measured(model, slider_recording(x, force, 500.0, levels, 0)),))
+    law, space = AsymmetricFriction("lift", side="link", level_positive=0.01, level_negative=0.01), weighed(bare)
     made, without = (fit(dataclasses.replace(start, effects=each), space) for each in ((law,), ()))
     (found,) = made.hypothesis.effects
     sizes = {(found, name): getattr(found, name) for name in ("level_positive", "level_negative")}
@@ -190,8 +192,8 @@ def test_a_number_beyond_its_tolerance_is_a_finding_only_where_all_effects_have_
 ) -> None:
     """An inertia half too small, which the fit corrects: beside an effect without a name it may imitate that."""
     model = _wheel(tmp_path, 0.5 * INERTIA)
-    bare, noise, start = prepared(model, (measured(model, _turned(0.0)),))
-    answer = corrected(posterior(bare, noise, start), weighed(bare, noise))
+    bare, start = prepared(model, (measured(model, _turned(0.0)),))
+    answer = corrected(posterior(bare, start), weighed(bare))
     (inertia,) = [each.candidate for each in answer.names]
     effect = next(c for c, each in enumerate(answer.candidates) if each.number is None)
     nameless = dataclasses.replace(answer, names=(), genuine={effect: 0.5} if unnamed else {})
@@ -201,8 +203,8 @@ def test_a_number_beyond_its_tolerance_is_a_finding_only_where_all_effects_have_
 def test_a_number_that_the_comparison_leaves_within_its_tolerance_is_no_finding(tmp_path: Path) -> None:
     """The right inertia, and a fit that moved it far: small amounts of a law may have moved it, not the wheel."""
     model = _wheel(tmp_path)
-    bare, noise, start = prepared(model, (measured(model, _turned(0.0)),))
-    answer = corrected(posterior(bare, noise, start), weighed(bare, noise))
+    bare, start = prepared(model, (measured(model, _turned(0.0)),))
+    answer = corrected(posterior(bare, start), weighed(bare))
     assert not reported_names(answer)
     moved = dataclasses.replace(answer.hypothesis, factors=dict.fromkeys(answer.hypothesis.factors, 2.0))
     fitted = dataclasses.replace(answer.fitted, hypothesis=moved)

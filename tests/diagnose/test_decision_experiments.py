@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,8 @@ from flexdyn.diagnose.decision.findings import findings, with_experiments
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.split import parts
 from flexdyn.diagnose.experiment.rehearsal import CLEAR_DELTA_BIC
-from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.hypothesis.prepared import prepared
+from flexdyn.diagnose.hypothesis.workspace import weighed
 from flexdyn.diagnose.inference.passes import posterior
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 
@@ -26,9 +28,9 @@ def test_the_rival_is_fitted_and_a_motion_tells_it_apart(tmp_path: Path) -> None
     recording = slider_recording(x, force, RATE, Levels(position=2e-6, torque=0.02), seed=1)
     model = slider_model(tmp_path)
     fitted, _ = parts(model, [recording])
-    bare, noise, start = prepared(model, tuple(each.data for each in fitted))
-    compared = posterior(bare, noise, start)
-    found = corrected(compared, weighed(bare, compared.noise, compared.fitted.space.whiten.mask))
+    bare, start = prepared(model, tuple(each.data for each in fitted))
+    compared = posterior(bare, start)
+    found = corrected(compared, weighed(dataclasses.replace(bare, noise=compared.noise)))
     (named,) = found.names
     (rival,) = (c for c, each in enumerate(found.candidates) if each.kind == "presliding_friction")
     either = [Name(named.candidate, (rival,), 0.99)]

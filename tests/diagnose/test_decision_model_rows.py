@@ -13,7 +13,7 @@ from flexdyn.diagnose.decision.model_rows import rows_of_models
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.workspace import recorded_noise
+from flexdyn.diagnose.hypothesis.prepared import recorded_noise
 from flexdyn.model.uncertain_parameters import file_numbers
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, Levels, two_link_recording

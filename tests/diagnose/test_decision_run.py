@@ -14,7 +14,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.decision.corrected import converged
+from flexdyn.diagnose.decision.last_fit import converged
 from flexdyn.diagnose.decision.model_rows import rows_of_models
 from flexdyn.diagnose.decision.notes import unsettled_numbers
 from flexdyn.diagnose.decision.run import diagnose

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.effects import DirectionalGearLoss
 from tests.diagnose.slides import named
 from tests.diagnose.test_load_dependent import GRAVITY, MASS, RATE, UNITS, lifted
@@ -90,7 +90,7 @@ def test_a_motor_encoder_alone(driving: float, driven: float) -> None:
     given = model_of(PENDULUM)
     data = (measured(given, _seen_by_its_motor(driving, driven)),)
     loss = DirectionalGearLoss("shoulder", driving=driving, driven=driven)
-    space, start, _ = workspace(given, data, dataclasses.replace(prepared(given, data)[2], effects=(loss,)))
+    space, start, _ = workspace(given, data, dataclasses.replace(prepared(given, data)[1], effects=(loss,)))
     left, without = (
         space.equations.of(each.model()).residual for each in (start, dataclasses.replace(start, effects=()))
     )

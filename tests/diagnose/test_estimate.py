@@ -16,9 +16,9 @@ from flexdyn.diagnose.constants import LEAST_DESCENT
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.hypothesis.estimate import _after_share, _begun, fit
 from flexdyn.diagnose.hypothesis.exact_descent import descended
-from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import OUT_OF_TOLERANCE_WIDTH, linearised, reached
+from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.errors import SimulationError
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, Levels
@@ -132,7 +132,7 @@ def test_a_fit_begins_with_numbers_bent_only_where_data_speaks_for_them(right: b
 def test_a_fit_whose_slopes_lead_up_goes_down_along_differences() -> None:
     """Slopes of the file's numbers with the wrong sign: Gauss-Newton stays, differences find the least squares."""
     space, start = problem(fd.effects.ParameterError("link2", parameter="link_com", factor=1.03))
-    stalled = fit(start, dataclasses.replace(space, slopes=-space.slopes))
+    stalled = fit(start, dataclasses.replace(space, bare=dataclasses.replace(space.bare, numbers=-space.bare.numbers)))
     made, lowest = descended(stalled), least(space, start)
     assert stalled.reached > 100.0 * lowest
     assert made.stationary

@@ -19,8 +19,9 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.linear import linearised, reached
 from flexdyn.diagnose.hypothesis.number_columns import of_numbers
-from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
-from flexdyn.diagnose.inference.weights import along_expected, for_fit, rows_of
+from flexdyn.diagnose.hypothesis.prepared import prepared
+from flexdyn.diagnose.hypothesis.workspace import weighed
+from flexdyn.diagnose.inference.weights import along_expected, for_fit
 from flexdyn.model.uncertain_parameters import FileNumber, file_numbers
 
 SOFT = {"shoulder": {"stiffness": 400.0, "damping": 0.8}, "elbow": {"stiffness": 900.0, "damping": 0.5}}
@@ -42,7 +43,7 @@ def clean() -> tuple[Equations, SampleNoise]:
     run = fd.simulate(model, fd.PD(fd.Samples(t, turns, "cubic"), kp=300, kd=15), q0=turns[0])
     log = run.to_recording()
     seen = {f"{signal}.{joint}": log[f"{signal}.{joint}"] for joint in model.joint_names for signal in ("theta", "tau")}
-    bare, _, _ = prepared(model, (measured(model, fd.Recording(run.t, seen)),))
+    bare, _ = prepared(model, (measured(model, fd.Recording(run.t, seen)),))
     two = np.ones(2)
     return bare.equations, SampleNoise(0.0 * two, ENCODER_NOISE * two, TORQUE_NOISE * two, 0.0 * two)
 
@@ -109,15 +110,16 @@ def test_a_spring_that_the_file_lacks_has_the_slope_of_the_likelihood(clean: tup
     (data,), noise = clean[0].data, clean[1]
     arm = fd.load_model("scara_two_link").replace(effects=[], tolerance=0.1)
     rigid = arm.replace(joints={name: {"rotor_inertia": 4e-5, "stiffness": np.inf} for name in SOFT})
-    bare, _, here = prepared(rigid, (_noisy(data, noise, np.random.default_rng(5)),))
+    bare, here = prepared(rigid, (_noisy(data, noise, np.random.default_rng(5)),))
     springs = (fd.effects.JointElasticity(name, stiffness=each["stiffness"]) for name, each in SOFT.items())
     there = dataclasses.replace(here, effects=tuple(springs))
     at = bare.equations.of(there.model())
-    mask = np.zeros(at.residual.size, bool)
-    work = for_fit(bare, noise, mask, rows_of(at, mask), there)
+    bare = dataclasses.replace(bare, noise=noise, mask=np.zeros(at.residual.size, bool))
+    work = for_fit(bare, there)
+    on_record = dataclasses.replace(work.bare, along=None)
     step, first = 0.2, len(there.factors)
     slopes, along_the_record = (
-        _slopes(linearised(there, each, at=at))[first:] for each in (work, dataclasses.replace(work, along=None))
+        _slopes(linearised(there, each, at=at))[first:] for each in (work, dataclasses.replace(work, bare=on_record))
     )
     for k, (spring, scale) in enumerate(zip(there.effects, linearised(there, work, at=at).scales, strict=True)):
         sides = []
@@ -194,7 +196,7 @@ def test_what_noise_does_to_rows_is_in_their_units(stiff: fd.Recording, bent: li
     A spring that hardens is steeper where it is wound.
     """
     model = _stiff(1.0)
-    bare, _, _ = prepared(model, (measured(model, stiff),))
+    bare, _ = prepared(model, (measured(model, stiff),))
     softer = {n: 0.7 for n in file_numbers(model) if n.parameter == "stiffness"}
     weaker = fd.effects.TorqueConstantError("shoulder", gain=-0.4)
     errors = [n.error(x) for n, x in softer.items()]
@@ -222,13 +224,11 @@ def test_noise_of_both_encoders_biases_no_stiffness(stiff: fd.Recording) -> None
     off, shares = [], []
     for _ in range(DRAWS // 10):
         seen = {x: stiff[x] + rng.normal(0.0, levels[x.split(".")[0]], stiff.t.size) for x in names}
-        bare, noise, here = prepared(given, (measured(given, fd.Recording(stiff.t, seen)),))
-        mask = sign_mask(bare.equations, noise)
+        bare, here = prepared(given, (measured(given, fd.Recording(stiff.t, seen)),))
         for _ in range(3):
             at = bare.equations.of(here.model())
-            rows = rows_of(at, mask)
-            near, _, in_slopes = along_expected(bare, weighed(bare, noise, mask, at=at), here, at, rows)
-            made = fit(here, for_fit(near, noise, mask, rows, here))
+            work, in_slopes = along_expected(weighed(bare, at), here, at)
+            made = fit(here, for_fit(work.bare, here))
             here = made.hypothesis
         number = next(n for n in here.factors if n.of == "shoulder" and n.parameter == "stiffness")
         off.append((here.factors[number] - 1.0 / 1.05) / made.factor_std()[number])
@@ -250,13 +250,10 @@ def _error(found: list[float]) -> float:
 def test_slopes_of_numbers_follow_what_changes_the_rows(stiff: fd.Recording, beside: fd.effects.Effect) -> None:
     """A payload winds the springs, and rows are in units of the applied torque: against differences of the rows."""
     model = _stiff(1.0)
-    bare, _, here = prepared(model, (measured(model, stiff),))
+    bare, here = prepared(model, (measured(model, stiff),))
     there = dataclasses.replace(here, effects=(beside,))
-    work = weighed(
-        bare,
-        SampleNoise(np.full(2, 1e-6), np.full(2, 1e-6), np.full(2, 1e-6), np.zeros(2)),
-        np.zeros(bare.equations.residual.size, bool),
-    )
+    noise = SampleNoise(np.full(2, 1e-6), np.full(2, 1e-6), np.full(2, 1e-6), np.zeros(2))
+    work = weighed(dataclasses.replace(bare, noise=noise, mask=np.zeros(bare.equations.residual.size, bool)))
     X = linearised(there, work).regression.X
     for k, number in enumerate(there.factors):
         sides = [

@@ -17,8 +17,9 @@ from flexdyn.diagnose.data.measured import Measured, measured
 from flexdyn.diagnose.equations.covariance import whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.response import LinkResponse
-from flexdyn.diagnose.hypothesis.fitted import Workspace
-from flexdyn.diagnose.hypothesis.workspace import MOST_SIMULATED, Unweighted, prepared, recorded_noise, weighed
+from flexdyn.diagnose.hypothesis.prepared import MOST_SIMULATED, prepared, recorded_noise
+from flexdyn.diagnose.hypothesis.unweighted import Unweighted
+from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
 from flexdyn.model.uncertain_parameters import file_numbers
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, RATE, one_after_the_other
@@ -52,7 +53,7 @@ def _recorded(step: float, stop: int | None = None) -> tuple[fd.FlexibleJointMod
 
 def _weighed(model: fd.FlexibleJointModel, data: Measured, *, simulated: bool) -> Workspace:
     at = Equations(model, (data,), Filters.of_rate(data.dt), quasi_static=not simulated, simulated=simulated)
-    return weighed(Unweighted.of(at, file_numbers(model)), recorded_noise((data,)))
+    return weighed(Unweighted.of(at, recorded_noise((data,)), file_numbers(model)))
 
 
 def test_a_link_that_rings_behind_a_resting_motor_leaves_noise() -> None:
@@ -76,14 +77,14 @@ def test_a_ringing_link_tells_its_stiffness() -> None:
 def test_the_encoders_noise_decides(step: float, simulated: bool) -> None:
     """Coarse encoders would make simulated links vibrate by more than all other noise."""
     model, data = _recorded(step, stop=round(4.0 * RATE))
-    bare, _, _ = prepared(model, (data,))
+    bare, _ = prepared(model, (data,))
     assert (bare.equations.simulated, bare.equations.quasi_static) == (simulated, not simulated)
 
 
 def test_where_simulated_links_are_farther_off_they_follow_their_load() -> None:
     """A brake that closes at once, in the middle of the record, is no motion that a spline through samples holds."""
     model, data = _recorded(FINE)
-    bare, _, _ = prepared(model, (data,))
+    bare, _ = prepared(model, (data,))
     assert bare.equations.quasi_static
 
 
@@ -96,7 +97,7 @@ def test_links_of_a_long_record_follow_their_load() -> None:
         t=np.arange(len(many)) / RATE,
         **{signal: getattr(data, signal)[many] for signal in ("q", "theta", "tau", "tau_s")},
     )
-    bare, _, _ = prepared(model, (long,))
+    bare, _ = prepared(model, (long,))
     assert bare.equations.quasi_static
 
 

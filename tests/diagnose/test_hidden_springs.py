@@ -10,11 +10,13 @@ import pytest
 import flexdyn as fd
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.hypothesis.prepared import prepared
+from flexdyn.diagnose.hypothesis.workspace import weighed
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.library import Library
+from flexdyn.diagnose.shooting.internal_states import INTERNAL_STATE_WIDTH
 from flexdyn.diagnose.shooting.shooter import Shooter
-from flexdyn.diagnose.shooting.starts import INTERNAL_STATE_WIDTH, window_starts
+from flexdyn.diagnose.shooting.starts import window_starts
 from flexdyn.diagnose.shooting.windows import Windows
 
 HYSTERESIS = fd.effects.SpringHysteresis("elbow", stiffness=400.0, width=0.004)
@@ -45,9 +47,9 @@ def test_windows_begin_with_the_state_that_the_computed_deflection_leads_to(
 ) -> None:
     """The state of the hysteresis, of which no encoder says anything, within the width that the fit allows it."""
     model, run, recording = recorded
-    bare, noise, _ = prepared(model, (measured(model, recording),))
+    bare, _ = prepared(model, (measured(model, recording),))
     assert bare.equations.computed.all()
-    windows = Windows.of(model, [recording], noise)
+    windows = Windows.of(model, [recording], bare.noise)
     found = window_starts(Shooter(model, windows)).x[:, -1]
     true = HYSTERESIS.states_along(run.deflection[:, 1])[windows.places[:, 1]]
     inside = slice(1, None)  # the first window begins where the filters have not begun
@@ -60,12 +62,10 @@ def test_an_effect_in_a_transmission_is_as_large_as_its_torque(
 ) -> None:
     """Not as what the rows have of it, which without a link encoder is much less."""
     model, run, recording = recorded
-    bare, noise, start = prepared(model.replace(effects=[]), (measured(model, recording),))
+    bare, start = prepared(model.replace(effects=[]), (measured(model, recording),))
     here = dataclasses.replace(start, effects=(HYSTERESIS,))
-    at, work = bare.equations.of(here.model()), weighed(bare, noise)
-    library = Library(
-        at, work.whiten, here, work.numbers, work.nuisance, work.nuisance_sigma, tuple(everything(at)), noise,
-    )  # fmt: skip
+    at, work = bare.equations.of(here.model()), weighed(bare)
+    library = Library(at, work, here, work.numbers, tuple(everything(at)))
     change = at.residual - bare.equations.residual
     share, _ = library.sizes.of(HYSTERESIS, change)
     of_torque = float(np.sqrt(np.mean(_torque(run) ** 2)) / run.tau[:, 1].std())

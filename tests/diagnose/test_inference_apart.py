@@ -14,7 +14,7 @@ from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.inference.apart import GUESSED, genuine, power_ratios
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.model_error import ModelError
-from flexdyn.diagnose.inference.search import nested
+from flexdyn.diagnose.inference.scan import nested
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.inference_cases import EQUATIONS, TIMES, Case, Given, column

@@ -14,7 +14,8 @@ from scipy.integrate import quad
 from scipy.stats import multivariate_normal, norm
 
 from flexdyn.diagnose.inference import eliminated
-from flexdyn.diagnose.inference.gram import NEGATIVE_SIGMAS, Estimate, Gram, Prior
+from flexdyn.diagnose.inference.evidence import NEGATIVE_SIGMAS, Prior
+from flexdyn.diagnose.inference.gram import Estimate, Gram
 from flexdyn.diagnose.inference.products import Products
 
 Array = NDArray[np.float64]

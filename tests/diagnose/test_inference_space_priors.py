@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from dataclasses import replace
 from itertools import chain, combinations, product
 
@@ -21,8 +20,10 @@ from flexdyn.diagnose.constants import (
     WHOLE_NUMBER_LOG_ODDS,
 )
 from flexdyn.diagnose.inference.candidate import Column
-from flexdyn.diagnose.inference.search import Scan
+from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Structure
+from flexdyn.diagnose.inference.structure_prior import PriorOfPlaces
+from flexdyn.diagnose.inference.substitutes import own_share
 from flexdyn.effects import CoulombFriction
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.inference_cases import EQUATIONS, EXPECTED, TIMES, Case, Given, column, share
@@ -79,7 +80,7 @@ def test_friction_of_links_is_not_expected() -> None:
     assert motor.proposal is not None
     link = replace(motor.proposal, place={**motor.proposal.place, "side": "link"})
     space.candidates[0] = replace(motor, proposal=link)
-    space.places = Counter(each.group for each in space.candidates)
+    space.places = PriorOfPlaces(space.candidates)
     assert motors == pytest.approx(20.0)
     assert math.exp(space.log_prior(ALONE)) == pytest.approx(1.0)
 
@@ -104,7 +105,9 @@ def test_two_laws_of_one_motor_count_as_expected_friction_once() -> None:
     given.append(Given("position_dependent_friction", "a", (column(forms[:, [2]]),), ((2.0,),)))
     space = Case(tuple(given), column(forms[:, 4:]), np.zeros(ROWS)).space()
     a, b, wave = ((c, 0) for c in range(3))
-    prior = {held: space.log_places(frozenset(held)) for m in range(1, 4) for held in combinations((a, b, wave), m)}
+    prior = {
+        held: space.places.log_prior(frozenset(held)) for m in range(1, 4) for held in combinations((a, b, wave), m)
+    }
     varies = math.log(PLACE_BETA[0] / PLACE_BETA[1])  # few drives have it
     assert prior[a, b, wave] == pytest.approx(prior[a, b] + varies)
     assert prior[b, wave] == pytest.approx(prior[a, b] + varies)
@@ -177,7 +180,7 @@ def test_an_own_share_is_what_another_law_cannot_make(angle: float, expected: fl
         Given(kind, "a", (each,)) for kind, each in zip(("coulomb_friction", "stribeck_friction"), blocks, strict=True)
     )
     case = Case(given, column(_draw(seed=3), 1e-9), -2.0 * blocks[0].white[:, 0])
-    assert case.space().own_share(ALONE, 0, 1) == pytest.approx(2.0 * 0.5 * expected, abs=2e-3, rel=0.02)
+    assert own_share(case.space(), ALONE, 0, 1) == pytest.approx(2.0 * 0.5 * expected, abs=2e-3, rel=0.02)
 
 
 def _sharp(size: float, **changes: float) -> tuple[Case, Column]:

@@ -15,7 +15,7 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.less_rounded import less_rounded, rounding
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.effects import CoulombFriction, Effect, TorqueRipple, ViscousFriction
 from tests.diagnose.slides import RATE, model, pushed
 from tests.diagnose.workspaces import workspace
@@ -40,7 +40,7 @@ def fitted(folder: Path, recording: fd.Recording, *effects: Effect) -> Fit:
     """A fit that begins at the true effects."""
     given = model(folder)
     data = (measured(given, recording),)
-    start = dataclasses.replace(prepared(given, data)[2], effects=effects)
+    start = dataclasses.replace(prepared(given, data)[1], effects=effects)
     space, start, _ = workspace(given, data, start)
     return fit(start, space)
 

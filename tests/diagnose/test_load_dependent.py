@@ -12,7 +12,7 @@ import flexdyn as fd
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.inference.catalogue import columns_of, everything
 from flexdyn.diagnose.inference.passes import posterior
 from tests.arms import slider
@@ -79,8 +79,8 @@ def test_its_column_is_what_the_joint_carries_against_the_motion(tmp_path: Path)
 
 def test_it_is_found_with_an_elasticity(tmp_path: Path) -> None:
     """A rigid joint has no transmission torque in the model, so the hypothesis makes it as stiff as the data allow."""
-    bare, noise, start = prepared(model(tmp_path), (measured(model(tmp_path), _recording(16.0, (2e-6, 0.02))),))
-    found = posterior(bare, noise, start)
+    bare, start = prepared(model(tmp_path), (measured(model(tmp_path), _recording(16.0, (2e-6, 0.02))),))
+    found = posterior(bare, start)
     assert [found.space.candidates[c].kind for c, _ in sorted(found.best)] == ["load_dependent_friction"]
     friction, spring = sorted(found.fitted.hypothesis.effects, key=lambda each: each.name, reverse=True)
     assert isinstance(friction, fd.effects.LoadDependentFriction)

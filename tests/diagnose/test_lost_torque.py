@@ -13,8 +13,9 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.hypothesis import moved
 from flexdyn.diagnose.hypothesis.linear import linearised
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.hypothesis.proposal import extent_of
-from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.hypothesis.workspace import weighed
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from tests.arms import two_link
@@ -48,9 +49,9 @@ def test_slopes_by_the_files_numbers_are_those_of_the_torque_that_was_given() ->
     """A limit cuts half of the torque off, which then winds no spring: differences of the residual say so."""
     model = two_link(ARM).replace(tolerance=0.05)
     recording = two_link_recording(Levels(), 0, ["theta"])
-    bare, noise, start = prepared(model, (measured(model, recording),))
+    bare, start = prepared(model, (measured(model, recording),))
     limit = fd.effects.TorqueSpeedLimit("shoulder", stall_torque=1.0, no_load_speed=1e3)
-    space = dataclasses.replace(weighed(bare, noise), anew=None)
+    space = dataclasses.replace(weighed(bare), anew=None)
     made = linearised(dataclasses.replace(start, effects=(limit,)), space)
     names = [(number.of, number.parameter) for number in start.factors]
     for which in (("shoulder", "stiffness"), ("elbow", "stiffness")):

@@ -15,8 +15,9 @@ from flexdyn.diagnose.decision.needed_in_fits import needed_in_fits
 from flexdyn.diagnose.decision.one_law import with_best
 from flexdyn.diagnose.decision.rivals_in_fits import rivals_in_fits
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.hypothesis.workspace import prepared
-from flexdyn.diagnose.inference.passes import Posterior, most_likely_visited, posterior
+from flexdyn.diagnose.hypothesis.prepared import prepared
+from flexdyn.diagnose.inference.odds_by_fits import most_likely_visited
+from flexdyn.diagnose.inference.passes import Posterior, posterior
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from tests.diagnose.test_simulated import FORCE, LEVEL, LEVELS, MASS, RATE
 from tests.diagnose.truths import slider_model, slider_recording, sliding
@@ -63,8 +64,8 @@ def test_a_search_that_does_not_settle_ends_where_a_fit_was_most_likely(found: P
     """At an offset, after a pass that had the friction: its fit counts; the other way round, nothing changes."""
     space, offset = found.space, (_place(found, "torque_offset"), 0)
     (friction,) = found.best
-    right = frozenset(space.candidates[c].identity for c, _ in found.best)
-    wrong = frozenset({space.candidates[offset[0]].identity})
+    right = space.identities(found.best)
+    wrong = space.identities(frozenset({offset}))
     start = hypothesis_of(space, frozenset({offset}))
     made = fit(start, found.fitted.space)
     best, fitted = most_likely_visited(space, frozenset({offset}), made, [(right, found.fitted.hypothesis)])

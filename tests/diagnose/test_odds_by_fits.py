@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.estimate import SHORTENED_STEP
 from flexdyn.diagnose.hypothesis.fitted import Fit
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.linearisation import Linearisation
 from flexdyn.diagnose.inference.model_error import ModelError
@@ -43,8 +42,8 @@ def _promising(folder: Path, level: float) -> tuple[Linearisation, Structure]:
     """A linearisation whose equations are made to promise a level of friction, and the structure with it."""
     model = slider_model(folder)
     x, _ = sliding(FORCE, 1.0 / RATE, MASS, LEVEL)
-    bare, noise, start = prepared(model, (measured(model, slider_recording(x, FORCE, RATE, LEVELS, 0)),))
-    near = Linearisation.of(bare, noise, sign_mask(bare.equations, noise), start, everything(bare.equations), None)
+    bare, start = prepared(model, (measured(model, slider_recording(x, FORCE, RATE, LEVELS, 0)),))
+    near = Linearisation.of(bare, start, everything(bare.equations), None)
     space, prior = near.space, near.space.matrix.prior
     each = enumerate(space.candidates)
     friction = next(c for c, one in each if one.kind == "coulomb_friction" and one.place["side"] == "motor")

@@ -10,10 +10,10 @@ import pytest
 import flexdyn as fd
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.linearisation import Linearisation
-from flexdyn.diagnose.inference.weights import for_fit, rows_of
+from flexdyn.diagnose.inference.weights import for_fit
 
 STEP = 1e-7
 
@@ -44,12 +44,12 @@ def test_a_fit_has_the_slopes_of_its_own_springs(
 ) -> None:
     """By differences of the whole model, for each encoder, in a fit and in the linear equations near it."""
     model, spring, log = hard
-    bare, noise, start = prepared(model, (measured(model, log),))
+    bare, start = prepared(model, (measured(model, log),))
     there = dataclasses.replace(start, effects=(spring,))
     at = bare.equations.of(there.model())
-    mask = np.zeros(at.residual.size, bool)
-    work = for_fit(bare, noise, mask, rows_of(at, mask), there)
-    near = Linearisation.of(bare, noise, mask, there, everything(bare.equations), None)
+    bare = dataclasses.replace(bare, mask=np.zeros(at.residual.size, bool))
+    work = for_fit(bare, there)
+    near = Linearisation.of(bare, there, everything(bare.equations), None)
     for k, channel in enumerate(bare.channels):
         sides = [
             at.of(at.model.replace(effects=[*at.model.effects, fd.effects.SensorOffset(channel, offset=way)])).residual
@@ -57,7 +57,7 @@ def test_a_fit_has_the_slopes_of_its_own_springs(
         ]
         slope = (sides[0] - sides[1]) / (2.0 * STEP)
         assert _apart(work.nuisance[:, k], work.whiten(slope)) < 0.03
-        assert _apart(near.near.offsets[:, k], slope) < 0.03
+        assert _apart(near.near.unknown[:, k], slope) < 0.03
 
 
 def _apart(one: Array, other: Array) -> float:

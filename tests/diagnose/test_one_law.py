@@ -11,7 +11,7 @@ import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.one_law import by_plainer_laws, in_one_law
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.inference.passes import Posterior, posterior
 from tests.diagnose.slides import model, named, recording
 

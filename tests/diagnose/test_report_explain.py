@@ -8,7 +8,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose.report.explain import check_target, known_suspects, target_of
-from flexdyn.diagnose.report.suspects import beyond, ranks
+from flexdyn.diagnose.report.ranked import beyond, ranks
 from tests.diagnose import report_cases as cases
 
 

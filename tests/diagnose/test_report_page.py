@@ -14,7 +14,8 @@ import flexdyn as fd
 from flexdyn.control.commands import PD
 from flexdyn.control.samples import Samples
 from flexdyn.diagnose.report.digits import percent, probability_text, rounded, times
-from flexdyn.diagnose.report.measures import Gap, JointError, Left, RecordingSpan, ResidualPlace, SignalError
+from flexdyn.diagnose.report.measures import Gap, JointError, Left, ResidualPlace, SignalError
+from flexdyn.diagnose.report.origin import RecordingSpan
 from flexdyn.diagnose.report.pictures import PICTURES
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import next_measurements, verdict_sentence

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,8 +13,8 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.one_law import by_plainer_laws, with_best
 from flexdyn.diagnose.decision.reported import reported
-from flexdyn.diagnose.hypothesis.fitted import Workspace
-from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.hypothesis.prepared import prepared
+from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
 from flexdyn.diagnose.inference.passes import Posterior, posterior
 from tests.diagnose.slides import RATE, model, recording
 
@@ -28,9 +29,9 @@ def searched(
     """What the search finds on a slide with these friction levels, and the weighted equations of the plain model."""
     given = model(folder)
     record = recording(lambda v: UP if v > 0.0 else -down, motor, seconds)
-    bare, noise, start = prepared(given, (measured(given, record),))
-    found = posterior(bare, noise, start)
-    return found, weighed(bare, found.noise, found.fitted.space.whiten.mask)
+    bare, start = prepared(given, (measured(given, record),))
+    found = posterior(bare, start)
+    return found, weighed(dataclasses.replace(bare, noise=found.noise))
 
 
 def ended_with(found: Posterior, kinds: set[str]) -> Posterior:

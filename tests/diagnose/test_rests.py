@@ -15,7 +15,7 @@ from flexdyn.diagnose.equations.covariance import whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.mask import passage_mask, sign_mask
 from flexdyn.diagnose.equations.rest import borders, long_runs, near
-from flexdyn.diagnose.hypothesis.workspace import recorded_noise
+from flexdyn.diagnose.hypothesis.prepared import recorded_noise
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, RATE, Levels, one_after_the_other
 

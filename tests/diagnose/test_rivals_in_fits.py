@@ -15,10 +15,11 @@ from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import names
 from flexdyn.diagnose.decision.one_law import with_best
 from flexdyn.diagnose.decision.rivals_in_fits import rivals_in_fits
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.inference.passes import Posterior, posterior
-from flexdyn.diagnose.inference.search import Scan
+from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
+from flexdyn.diagnose.inference.substitutes import in_common
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, RATE, Levels, two_link_recording
 from tests.oracles.integrate import held
@@ -73,9 +74,9 @@ def test_what_has_in_common_with_a_candidate_may_be_its_rival(found: Posterior) 
     """A gear's wave makes nearly all that the encoder's wave makes; friction of the other joint makes none of it."""
     ((wave, point),) = found.best
     gear, friction = _place(found, "kinematic_error"), _place(found, "viscous_friction", "elbow")
-    assert found.space.in_common(found.best, wave, (wave, point)) == pytest.approx(1.0)
-    assert max(found.space.in_common(found.best, wave, (gear, p)) for p in _points(found, gear)) > 0.9
-    assert found.space.in_common(found.best, wave, (friction, 0)) < LEAST_IN_COMMON
+    assert in_common(found.space, found.best, wave, (wave, point)) == pytest.approx(1.0)
+    assert max(in_common(found.space, found.best, wave, (gear, p)) for p in _points(found, gear)) > 0.9
+    assert in_common(found.space, found.best, wave, (friction, 0)) < LEAST_IN_COMMON
 
 
 def _points(found: Posterior, c: int) -> range:

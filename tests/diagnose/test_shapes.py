@@ -10,7 +10,7 @@ import pytest
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.inference.passes import Posterior, posterior
 from flexdyn.diagnose.inference.shapes import likeliest_shapes
 

@@ -13,7 +13,7 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.inference.passes import Posterior, posterior
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
@@ -111,8 +111,8 @@ def _compared(folder: Path, offset: float, level: float) -> tuple[Posterior, Hyp
     model = slider_model(folder)
     x, _ = sliding(FORCE + offset, 1.0 / RATE, MASS, level)
     recording = slider_recording(x, FORCE, RATE, LEVELS, 0)
-    bare, noise, start = prepared(model, (measured(model, recording),))
-    return posterior(bare, noise, start), start, Windows.of(model, [recording], LEVELS.noise(1))
+    bare, start = prepared(model, (measured(model, recording),))
+    return posterior(bare, start), start, Windows.of(model, [recording], LEVELS.noise(1))
 
 
 @pytest.mark.slow
@@ -181,8 +181,8 @@ def test_what_windows_do_not_need_has_no_share_in_them(tmp_path: Path) -> None:
     model = slider_model(tmp_path)
     x, _ = sliding(FORCE, 1.0 / RATE, MASS, 0.0)
     recording = slider_recording(x, FORCE, RATE, LEVELS, 0)
-    bare, noise, start = prepared(model, (measured(model, recording),))
-    found = posterior(bare, noise, start)
+    bare, start = prepared(model, (measured(model, recording),))
+    found = posterior(bare, start)
     (drag,) = [c for c, each in enumerate(found.space.candidates) if each.kind == "quadratic_drag"][:1]
     here = dataclasses.replace(
         found.fitted.hypothesis, effects=(fd.effects.QuadraticDrag("lift", side="motor", coefficient=0.5),)

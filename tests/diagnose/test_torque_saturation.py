@@ -9,7 +9,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.hypothesis.workspace import prepared
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.inference.passes import posterior
 from flexdyn.effects import TorqueSaturation, ViscousFriction
 from tests.diagnose.slides import model, named, recording
@@ -60,8 +60,8 @@ def test_a_motor_cut_off_is_a_limit(tmp_path: Path) -> None:
 def test_its_price_is_the_slope_of_the_law(tmp_path: Path) -> None:
     """Rows are measured in recorded torque: ``sum log d applied/d recorded = -2 sum log(1 + |tau|/scale)``."""
     record = recording(_friction, seconds=6.0)
-    bare, noise, start = prepared(model(tmp_path, [GIVEN]), (measured(model(tmp_path, [GIVEN]), record),))
-    library = posterior(bare, noise, start).space.library
+    bare, start = prepared(model(tmp_path, [GIVEN]), (measured(model(tmp_path, [GIVEN]), record),))
+    library = posterior(bare, start).space.library
     tau = np.concatenate(
         [along.tau[library.equations.filters.instants(len(along.t)), 0] for along in library.equations.motions]
     )

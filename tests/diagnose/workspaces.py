@@ -8,9 +8,9 @@ from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.noise import torque_noise
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.hypothesis.prepared import prepared
+from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 
@@ -27,11 +27,11 @@ def workspace(
     Raises:
         InputError: no equation says anything at any time.
     """
-    bare, noise, start = prepared(model, data, start)
-    space = weighed(bare, noise)
+    bare, start = prepared(model, data, start)
+    space = weighed(bare)
     for _ in range(2):
         made = fit(start, space, steps=3)
-        left, mask = made.equations.residual, space.whiten.mask
-        noise = dataclasses.replace(noise, tau=torque_noise(made.equations, left, mask, noise))
-        space = weighed(bare, noise, mask)
-    return space, start, noise
+        tau = torque_noise(made.equations, made.equations.residual, bare.mask, bare.noise)
+        bare = dataclasses.replace(bare, noise=dataclasses.replace(bare.noise, tau=tau))
+        space = weighed(bare)
+    return space, start, bare.noise

@@ -40,6 +40,7 @@ def in_background(work: Callable[[], Answer], course: Course, progress: Progress
     over = threading.Event()
 
     def inside() -> Answer:
+        """The work, followed; whoever waits hears of its end."""
         try:
             with following(course):
                 return work()
@@ -92,6 +93,7 @@ def display_of(progress: Progress | bool | None) -> Iterator[Progress]:
         task, began = bars.add_task("starting", total=1.0, left=""), time.monotonic()
 
         def show(stage: str, share: float) -> None:
+            """Move the bar to a stage and its share of the whole."""
             bars.update(task, description=stage, completed=share, left=_remaining(share, time.monotonic() - began))
 
         with _acknowledged(bars.console.print):
@@ -115,6 +117,7 @@ def _acknowledged(say: Callable[[str], None]) -> Iterator[None]:
         return
 
     def heard(number: int, frame: object) -> None:
+        """Say that the signal was heard, and let it interrupt."""
         say(STOPPING)
         raise KeyboardInterrupt
 

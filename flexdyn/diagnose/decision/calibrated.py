@@ -5,9 +5,10 @@ from __future__ import annotations
 import dataclasses
 
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.inference.weights import error_of, rows_of, tempered
+from flexdyn.diagnose.hypothesis.workspace import Workspace
+from flexdyn.diagnose.inference.weights import error_of, tempered
 
 WEIGHTINGS, STEPS = 4, 4
 """Fits, each with weights by the model error that the last one leaves, and steps of each."""
@@ -44,9 +45,8 @@ def reweighted(plain: Workspace, start: Hypothesis) -> Fit:
         start: the hypothesis.
     """
     at, here = plain.equations, start
-    seen = rows_of(at, plain.whiten.mask)
     for _ in range(WEIGHTINGS):
-        work = tempered(plain, error_of(plain, at.of(here.model()).residual, seen))
+        work = tempered(plain, error_of(plain, at.of(here.model()).residual))
         made = fit(here, work, steps=STEPS)
         here = made.hypothesis
     return made

@@ -8,11 +8,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flexdyn.diagnose.decision.calibrated import calibrated
-from flexdyn.diagnose.decision.corrected import Corrected, corrected, leaves_noise
+from flexdyn.diagnose.decision.corrected import Corrected, corrected
 from flexdyn.diagnose.decision.drawn import compared_motions, ordered_pictures
 from flexdyn.diagnose.decision.figures import OnFit, OnTest, on_fit, on_test
 from flexdyn.diagnose.decision.findings import calibration, findings, reported_names, with_experiments
 from flexdyn.diagnose.decision.forces import are_prescribed, loops
+from flexdyn.diagnose.decision.last_fit import leaves_noise
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.notes import notes, statistics, unsettled_numbers
@@ -20,8 +21,9 @@ from flexdyn.diagnose.decision.split import DataPart, Parts
 from flexdyn.diagnose.decision.suspects import considered, structures
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
 from flexdyn.diagnose.equations.covariance import SampleNoise
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.progress import tell

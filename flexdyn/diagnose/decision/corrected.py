@@ -4,43 +4,35 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.constants import ESTABLISHED, LEAST_IN_COMMON, PROMISED_DROP, SMALLEST_TORQUE_SHARE
+from flexdyn.diagnose.constants import ESTABLISHED, LEAST_IN_COMMON, SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.even_odds import told_by_data
+from flexdyn.diagnose.decision.last_fit import continued, converged, fit_of_kept, leaves_noise, no_stiffer_than_seen
 from flexdyn.diagnose.decision.masses import Masses
-from flexdyn.diagnose.decision.model_effects import possible, with_elasticity
-from flexdyn.diagnose.decision.model_rows import ModelRows
+from flexdyn.diagnose.decision.model_effects import possible
 from flexdyn.diagnose.decision.naming import Name, names, standing_in
 from flexdyn.diagnose.decision.one_law import completing
 from flexdyn.diagnose.decision.significance import stays
-from flexdyn.diagnose.decision.verdict import left_by_joint
-from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.hypothesis.exact_descent import descended
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.less_rounded import less_rounded
+from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.inference.apart import genuine, power_ratios
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.odds_by_fits import squares_left
 from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.posterior_of_fit import squares_left
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.inference.structure_model import effect_of, hypothesis_of
+from flexdyn.diagnose.inference.substitutes import in_common, own_share
 from flexdyn.effects import Effect
 
 Share = Callable[[int], float]
-PROMISED_SHARE = 0.005
-"""A fit has not converged if its next step would also decrease chi^2 by more than this share [1]."""
-
-
-CONTINUATIONS = 6
-"""Times at most that the fit of the corrected model is continued from where its steps ended."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,13 +141,13 @@ def corrected(
         own |= {c: min(own[c], alone[c]) for c in told}
         named = names(masses, best, weighed(), there, may)
     kept = told_by_data(space, masses, best, [each for each in named if each.established], may)
-    made = _fit_of_kept(found, found.fitted, {each.candidate for each in kept} | completed(kept))
+    made = fit_of_kept(space, found.fitted, {each.candidate for each in kept} | completed(kept))
     # An effect that explains more in simulations than remains there may be small in the equations.
     least = {c: 0.0 if simulated.get(c, 0.0) > 1.0 else SMALLEST_TORQUE_SHARE for c in best}
     # The linear equations may have promised too much; what is left out displaces the others.
     while kept != (kept := tuple(each for each in kept if stays(space, each.candidate, made, least[each.candidate]))):
-        made = _fit_of_kept(found, made, {each.candidate for each in kept} | completed(kept))
-    made = _no_stiffer_than_seen(less_rounded(_continued(made)))
+        made = fit_of_kept(space, made, {each.candidate for each in kept} | completed(kept))
+    made = no_stiffer_than_seen(less_rounded(continued(made)))
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = leaves_noise(made, plain)
     made = made if explained else within(made)
@@ -187,7 +179,7 @@ def _masses(found: Posterior) -> Masses:
     alike = best | {c for c, inside in space.contained.items() if best & set(inside)}
     alike |= {each for c in best for each in (*space.contained[c], *standing_in(masses, best, {c}))}
     for other in frozenset().union(*(each for each, _ in found.other_linearisations)) - alike:
-        if any(space.own_share(found.best, c, other) <= SMALLEST_TORQUE_SHARE for c in best):
+        if any(own_share(space, found.best, c, other) <= SMALLEST_TORQUE_SHARE for c in best):
             alike |= {other}
     if not found.other_linearisations:
         return masses
@@ -217,65 +209,7 @@ def _may_stand_in(found: Posterior, masses: Masses, of: int, c: int) -> bool:
     there = masses.structures[place]
     instead = frozenset(k for k, _ in found.best) - {of} | {c}
     fitted = any(frozenset(k for k, _ in each) == instead for each, _, _ in found.by_fits)  # its odds say what it makes
-    if not fitted and space.in_common(found.best, of, (c, dict(there)[c])) < LEAST_IN_COMMON:
+    if not fitted and in_common(space, found.best, of, (c, dict(there)[c])) < LEAST_IN_COMMON:
         return False
     number = space.candidates[c].number
     return number is None or hypothesis_of(space, there).is_beyond(number)
-
-
-def _fit_of_kept(found: Posterior, made: Fit, kept: Collection[int]) -> Fit:
-    """The fit with the kept candidates alone."""
-    here, own = made.hypothesis, [found.space.candidates[c] for c in sorted(kept)]
-    effects = with_elasticity(here, [each for each in here.effects if any(effect_of(one, here) is each for one in own)])
-    freed = frozenset(one.number for one in own if one.number is not None)
-    if effects == here.effects and freed == here.freed:
-        return made
-    return fit(dataclasses.replace(here, effects=effects, freed=freed), made.space)
-
-
-def _no_stiffer_than_seen(made: Fit) -> Fit:
-    """The fit with springs of rigid joints as stiff as the data allow, and no stiffer.
-
-    A spring that only carries a load, for the friction that takes a share of it, may become stiffer in every step. Its
-    compliance is then less than its standard deviation, and gets this one: simulations need few steps, and noise winds
-    the spring little.
-    """
-    spread, changes = made.std(), {}
-    for effect in made.hypothesis.effects:
-        if not effect.makes_elastic:
-            continue
-        stiffness = float(getattr(effect, effect.makes_elastic))
-        unsure = spread.get((effect, effect.makes_elastic), math.nan) / stiffness**2
-        if 1.0 / stiffness < unsure < math.inf:
-            changes[effect] = effect.replace(**{effect.makes_elastic: 1.0 / unsure})
-    if not changes:
-        return made
-    effects = tuple(changes.get(each, each) for each in made.hypothesis.effects)
-    return fit(dataclasses.replace(made.hypothesis, effects=effects), made.space, steps=1)
-
-
-def _continued(made: Fit) -> Fit:
-    """The fit, continued as long as it has not converged and still gains: a corner of a law shortens many steps.
-
-    If it gains nothing more and still promises something, its slopes are wrong: then along differences.
-    """
-    for _ in range(CONTINUATIONS):
-        if made.block or converged(made):
-            break
-        before, made = made.reached, fit(made.hypothesis, made.space)
-        if made.reached > before - PROMISED_DROP:
-            break
-    return made if made.block or converged(made) else descended(made)
-
-
-def leaves_noise(made: Fit, plain: Workspace) -> bool:
-    """Whether no joint's equations leave more than noise and 1 % of its torque, apart from offsets of the encoders."""
-    at = plain.equations.of(made.hypothesis.seen())
-    models = (plain.equations, at, at)
-    return not left_by_joint(ModelRows(models, plain.noise, plain.whiten), {})
-
-
-def converged(made: Fit) -> bool:
-    """Whether a fit's next step promises nothing that matters."""
-    promised = made.reached - made.chi2
-    return made.stationary or not (promised > PROMISED_DROP and promised > PROMISED_SHARE * made.chi2)

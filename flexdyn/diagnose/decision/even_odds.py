@@ -14,8 +14,9 @@ from dataclasses import replace
 from flexdyn.diagnose.constants import ESTABLISHED, EVEN_ODDS_WINDOW, SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.decision.masses import Masses, Set
 from flexdyn.diagnose.decision.naming import Name
-from flexdyn.diagnose.inference.search import nested
+from flexdyn.diagnose.inference.scan import nested
 from flexdyn.diagnose.inference.space import Space
+from flexdyn.diagnose.inference.substitutes import own_share
 
 
 def told_by_data(
@@ -34,7 +35,7 @@ def told_by_data(
         stands_in: whether of two candidates the second may be a rival of the first.
     """
     even = {
-        mine: float(log) - space.log_places(structure)
+        mine: float(log) - space.places.log_prior(structure)
         for mine, structure, log in zip(masses.sets, masses.structures, masses.log, strict=True)
     }
     if best not in even:
@@ -64,16 +65,16 @@ def _held_down(space: Space, masses: Masses, even: Mapping[Set, float], best: Se
     found: dict[int, float] = {}
     told = [space.candidates[c] for c in (name.candidate, *name.rivals)]
     rest = best - {name.candidate}
-    prior = space.log_places(frozenset((c, 0) for c in best))
+    prior = space.places.log_prior(frozenset((c, 0) for c in best))
     for other, value in even.items():
         if len(other) != len(best) or not rest < other or name.candidate in other:
             continue
         (c,) = other - rest
         if space.candidates[c].choices > 1:
             continue
-        if space.own_share(masses.structures[masses.sets.index(best)], name.candidate, c) > SMALLEST_TORQUE_SHARE:
+        if own_share(space, masses.structures[masses.sets.index(best)], name.candidate, c) > SMALLEST_TORQUE_SHARE:
             continue  # the motion tells them apart; what the catalogue lacks hides it
-        expected_less = space.log_places(frozenset((each, 0) for each in other)) < prior
+        expected_less = space.places.log_prior(frozenset((each, 0) for each in other)) < prior
         if (
             expected_less
             and value > even[best] - EVEN_ODDS_WINDOW

@@ -16,8 +16,9 @@ from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.decision.verdict import dependence, left_by_joint
 from flexdyn.diagnose.equations.localise import localise
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.report.measures import Gap, JointError, Left, ResidualPlace, Shares, SignalError
 
 

@@ -66,7 +66,7 @@ def reported_names(found: Corrected) -> list[Name]:
     for c, number in enumerate(numbers):
         if number is None or c in found.named:
             continue
-        least = least_deviation(found.space.log_odds(c))
+        least = least_deviation(found.space.places.log_odds(c))
         deviation = _beyond_by(number, here.factors[number], std[number])
         if deviation >= least:
             compared = factor_of(found.space, found.masses.structures[0], number)

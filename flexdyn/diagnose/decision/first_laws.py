@@ -19,9 +19,9 @@ from flexdyn.diagnose.decision.unknown_laws import Choice, Unknown
 from flexdyn.diagnose.decision.unknown_stiffnesses import weighted_regression
 from flexdyn.diagnose.equations.columns import of_effect
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.hypothesis.fitted import Workspace
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.hypothesis.regression import Regression
-from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
 from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.weights import rows_of
 from flexdyn.effects import Effect, effect_from_dict, registered
@@ -109,8 +109,8 @@ class _Comparison:
 
     @classmethod
     def of(cls, model: FlexibleJointModel, data: tuple[Measured, ...]) -> _Comparison:
-        bare, noise, start = prepared(model, data)
-        space = weighed(bare, noise)
+        bare, start = prepared(model, data)
+        space = weighed(bare)
         friction = [of_effect(bare.equations, each) for each in _of_every_motor(bare.equations)]
         sigma = [max(number.tolerance, 1e-9) for number in start.factors] + [math.inf] * len(friction)
         X = np.column_stack([space.numbers, space.whiten(np.column_stack(friction))])
@@ -121,7 +121,7 @@ class _Comparison:
         """The same with the weights of what these effects leave."""
         plain = self._made(chosen)
         left = plain.left[: len(self.y)].reshape(-1, len(self.size)) * self.size
-        seen = rows_of(self.space.equations, self.space.whiten.mask)
+        seen = rows_of(self.space.bare)
         return dataclasses.replace(self, size=ModelError.of(left, seen).scale)
 
     def left(self, *chosen: Choice) -> float:

@@ -12,7 +12,7 @@ from flexdyn.arrays import Flags
 from flexdyn.diagnose.constants import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.linear import priors
-from flexdyn.diagnose.inference.odds_by_fits import squares_left
+from flexdyn.diagnose.inference.posterior_of_fit import squares_left
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import effect_of
 
@@ -66,7 +66,7 @@ class FittedStructure:
         """
         if self.numbers != other.numbers or abs(self.likelihood - other.likelihood) > EVEN_ODDS_WINDOW:
             return self
-        places = space.log_places(self.structure) - space.log_places(other.structure)
+        places = space.places.log_prior(self.structure) - space.places.log_prior(other.structure)
         return dataclasses.replace(self, value=other.value + places)
 
 

@@ -15,7 +15,7 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, TOTAL
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.workspace import recorded_noise
+from flexdyn.diagnose.hypothesis.prepared import recorded_noise
 from flexdyn.diagnose.inference.weights import quieter
 from flexdyn.errors import InputError
 from flexdyn.records.signals.decimate import CLOCK_JITTER

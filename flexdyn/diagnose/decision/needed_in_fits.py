@@ -10,8 +10,8 @@ from flexdyn.diagnose.decision.fitted_structure import LARGEST_LOG_ODDS
 from flexdyn.diagnose.decision.model_effects import without_effect
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.odds_by_fits import carried_on, fit_if_likely, log_posterior
 from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.posterior_of_fit import carried_on, fit_if_likely, log_posterior
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_model import effect_of
 

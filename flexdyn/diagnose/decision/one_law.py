@@ -14,7 +14,8 @@ from flexdyn.diagnose.constants import ESTABLISHED, EVEN_ODDS_WINDOW
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.inference.passes import LAST_STEPS, Posterior
+from flexdyn.diagnose.inference.odds_by_fits import LAST_STEPS
+from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 
@@ -126,4 +127,4 @@ def _merged(structure: Structure, parts: frozenset[int], whole: int) -> Structur
 
 def _even(space: Space, structure: Structure) -> float:
     """Log posterior at even prior odds of places."""
-    return space.value(structure) - space.log_places(structure)
+    return space.value(structure) - space.places.log_prior(structure)

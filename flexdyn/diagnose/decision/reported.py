@@ -10,7 +10,7 @@ from flexdyn.diagnose.decision.needed_in_fits import needed_in_fits
 from flexdyn.diagnose.decision.one_law import by_plainer_laws, in_one_law, with_best
 from flexdyn.diagnose.decision.refitted import share_in_forces
 from flexdyn.diagnose.decision.rivals_in_fits import rivals_in_fits
-from flexdyn.diagnose.hypothesis.fitted import Workspace
+from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.inference.passes import Posterior
 
 

@@ -14,9 +14,9 @@ from flexdyn.diagnose.equations.mask import passage_mask
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.odds_by_fits import fit_if_likely, log_density_at, log_posterior
 from flexdyn.diagnose.inference.passes import Posterior
-from flexdyn.diagnose.inference.search import Scan
+from flexdyn.diagnose.inference.posterior_of_fit import fit_if_likely, log_density_at, log_posterior
+from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import effect_of, hypothesis_of, waits
 from flexdyn.effects import effect_from_dict

@@ -16,8 +16,9 @@ from flexdyn.diagnose.decision.unknown_motors import with_motors
 from flexdyn.diagnose.decision.unknown_sizes import with_sizes
 from flexdyn.diagnose.decision.unknown_stiffnesses import with_stiffnesses
 from flexdyn.diagnose.equations.sanity import check_recordings
+from flexdyn.diagnose.hypothesis.prepared import prepared, recorded_noise
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
-from flexdyn.diagnose.hypothesis.workspace import prepared, recorded_noise, weighed
+from flexdyn.diagnose.hypothesis.workspace import weighed
 from flexdyn.diagnose.progress import STAGES, Course, know, tell
 from flexdyn.diagnose.report.result import Diagnosis, Interrupted
 from flexdyn.effects import registered
@@ -138,10 +139,10 @@ def _diagnosed(
     know(model=model)
     notes = (*said, *rigid, *check_recordings(model, data), *advice(model, data))
     know(fitted=fitted, notes=notes, noise=recorded_noise(data))
-    bare, noise, start = prepared(model, data)
+    bare, start = prepared(model, data)
     tell(STAGES[1], 0.05)
-    compared = dataclasses.replace(posterior(bare, noise, start), expected=expect)
-    plain = weighed(compared.bare, compared.noise, compared.fitted.space.whiten.mask)
+    compared = dataclasses.replace(posterior(bare, start), expected=expect)
+    plain = weighed(dataclasses.replace(compared.bare, noise=compared.noise))
     compared, found = reported(compared, plain)
     know(found=found, noise=compared.noise)
     answer = concluded(plain, start, compared, found, (fitted, test))

@@ -27,7 +27,7 @@ def stays(space: Space, c: int, made: Fit, smallest: float) -> bool:
         made: the fit.
         smallest: share of torque that an effect must make.
     """
-    candidate, log_odds = space.candidates[c], space.log_odds(c)
+    candidate, log_odds = space.candidates[c], space.places.log_odds(c)
     if not is_significant(candidate, made, log_odds):
         return False
     if candidate.number is not None:

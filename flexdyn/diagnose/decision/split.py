@@ -18,7 +18,7 @@ from flexdyn.diagnose.data.channel_noise import encoder_noise
 from flexdyn.diagnose.data.measured import Measured, measured
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.sanity import moves_long_enough
-from flexdyn.diagnose.report.measures import RecordingSpan, Role
+from flexdyn.diagnose.report.origin import RecordingSpan, Role
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, RecordingWarning

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.search import Scan
+from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.report.suspects import Considered, Number, Structure, Suspect
 from flexdyn.effects import Effect

@@ -12,7 +12,7 @@ from flexdyn.diagnose.decision.first_laws import first_laws
 from flexdyn.diagnose.decision.unknown_laws import Unknown, by_effect, without_unknown
 from flexdyn.diagnose.equations.columns import of_effect
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.hypothesis.workspace import recorded_noise
+from flexdyn.diagnose.hypothesis.prepared import recorded_noise
 from flexdyn.diagnose.inference.sizes import Sizes
 from flexdyn.effects import Effect
 from flexdyn.errors import InputError
@@ -51,6 +51,7 @@ def with_sizes(model: FlexibleJointModel, data: tuple[Measured, ...]) -> Flexibl
     effects, tolerance = list(bare.effects), known_tolerances(model.tolerance)
 
     def begin(i: int, name: str, effect: Effect, value: float, width: float) -> None:
+        """Let an effect begin at a value, as uncertain as its width."""
         first = math.copysign(max(abs(value), FIRST_SIZE * width), value)
         effects[i] = effect.replace(**{name: first})
         tolerance[f"effects[{i}].{name}"] = max(width / abs(first), UNKNOWN_TOLERANCE)

@@ -13,10 +13,10 @@ from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.decision.unknown_laws import without_unknown
 from flexdyn.diagnose.equations.compliance import of_compliance
 from flexdyn.diagnose.equations.layout import TRANSMISSION
-from flexdyn.diagnose.hypothesis.fitted import Workspace
+from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
-from flexdyn.diagnose.hypothesis.workspace import prepared, weighed
+from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
 from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.weights import rows_of
 from flexdyn.diagnose.report.digits import value_text
@@ -85,13 +85,13 @@ def _compliances(
         seen: those of them that have both encoders.
         data: of the fit.
     """
-    bare, noise, start = prepared(with_guesses(taken_for_rigid(model, unknown)), data)
-    space, at = weighed(bare, noise), [model.index(name) for name in seen]
+    bare, start = prepared(with_guesses(taken_for_rigid(model, unknown)), data)
+    space, at = weighed(bare), [model.index(name) for name in seen]
     slopes = space.whiten(np.column_stack([of_compliance(bare.equations, j) for j in at]))
     sigma = [max(number.tolerance, 1e-9) for number in start.factors] + [math.inf] * len(seen)
     y, kinds = space.whiten(bare.equations.residual), bare.equations.kinds
     X = np.column_stack([space.numbers, slopes, space.nuisance])
-    told, size = rows_of(bare.equations, space.whiten.mask), np.ones(len(kinds))
+    told, size = rows_of(bare), np.ones(len(kinds))
     for _ in range(WEIGHTINGS):
         made = weighted_regression(space, y, X, np.array(sigma), size)
         size = ModelError.of(y + X @ made.values, told).scale

@@ -78,6 +78,7 @@ def of_change(equations: Equations, effect: JointEffect, moved: JointEffect) -> 
     """Change of the residual (rows,) if an effect without influence on others is replaced by another of its kind."""
 
     def change(along: SmoothedMotion) -> tuple[str, Array]:
+        """The side that the effect acts on, and how much more torque it makes where it is moved."""
         (side, before), (_, after) = (own_torque(each, equations.true, along) for each in (effect, moved))
         return side, after - before
 
@@ -102,6 +103,7 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
     if effect.scales_torque:
 
         def gained(along: SmoothedMotion) -> tuple[str, Array]:
+            """What a gain adds to the torque of the motor."""
             return "motor", effect.torque_gain * (equations.needed(along, j) - equations.lost(along, j))
 
         return equations.of_torque(j, gained) / scale

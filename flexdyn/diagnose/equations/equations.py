@@ -166,6 +166,7 @@ class Equations(EquationLayout):
         """The contribution of one joint's terms to the rows (rows,), without the inertia of the links."""
 
         def terms(along: SmoothedMotion) -> Torques:
+            """Torques of the joint's own terms."""
             found = joint_terms(model, effects, along, j)
             rotor = model.rotor_inertia[j] * along.alpha[:, j] if model.elastic[j] else 0.0
             return found.motor - rotor, found.link, -found.tau_s
@@ -203,6 +204,7 @@ class Equations(EquationLayout):
         acting = acting_on(self.true, j)
 
         def terms(along: SmoothedMotion) -> Torques:
+            """Changes of the torques by the additional effect in the transmission."""
             wound = spring_torque(self.true, [*acting, effect], along, j) - self.spring(along, j)
             link, motor = wound.T.copy()
             return -motor, link, -link if along.data.both[j] or self.replayed[j] else None
@@ -218,6 +220,7 @@ class Equations(EquationLayout):
         """The contribution of one torque on the motor or link side of a joint to the rows (rows,)."""
 
         def terms(along: SmoothedMotion) -> Torques:
+            """The torque where it acts: on a rigid joint, a torque on the link is one of the transmission, too."""
             side, values = torque(along)
             if side == MOTOR:
                 return values, None, None

@@ -161,6 +161,7 @@ def _of_positions(model: FlexibleJointModel, joints: tuple[int, ...]) -> Iterato
     names = ", ".join(model.joint_names[j] for j in joints)
 
     def made(problem: str, remedy: str, factors: list[float], torques: list[float] | None = None) -> Mistake:
+        """What is wrong with the positions, and their factors."""
         scale, torque_scale = (dict(zip(joints, each, strict=False)) for each in (factors, torques or []))
         return Mistake(f"the positions of {names} {problem}", remedy, joints, scale=scale, torque_scale=torque_scale)
 

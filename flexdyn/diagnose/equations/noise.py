@@ -69,6 +69,7 @@ def _level(seen: Array, others: Array, unit: Array, first: float) -> float:
     from scipy.optimize import brentq
 
     def too_large(log_level: float) -> float:
+        """Spread of the values over what a level says, less 1."""
         variance = others + unit * math.exp(2.0 * log_level)
         return robust_std(seen / np.sqrt(np.maximum(variance, 1e-300))) - 1.0
 

@@ -33,6 +33,7 @@ def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect 
     recorded = {id(along): data for along, data in zip(equations.motions, equations.data, strict=True)}
 
     def error(along: SmoothedMotion) -> Array:
+        """What the sensor's effect adds to its channel (samples,)."""
         # The data of a motion are without the model's sensor effects: one of these is moved on the recorded channel.
         seen: Array = getattr(along.data, signal)[:, j]
         data = recorded[id(along)]
@@ -41,6 +42,7 @@ def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect 
         return true_channel(has, getattr(data, signal)[:, j], data) - seen
 
     def torques(along: SmoothedMotion) -> Torques:
+        """The error where the channel enters: as torque of the motor, or of the transmission."""
         if signal == "tau":
             return _smoothed(equations, along, centred(error(along)), 0), None, None
         return None, None, _smoothed(equations, along, error(along), 0)
@@ -66,6 +68,7 @@ def of_lag_shape(equations: Equations, effect: SensorEffect) -> Array:
     j = equations.true.index(effect.joint)
 
     def torques(along: SmoothedMotion) -> Torques:
+        """Half the squared lag times the second derivative of the torque."""
         ahead = centred(getattr(along.data, effect.signal)[:, j])  # y(t + d): the data are without the model's lags
         return 0.5 * effect.lateness**2 * _smoothed(equations, along, ahead, 2), None, None
 
@@ -80,6 +83,7 @@ def of_hold_shape(equations: Equations, j: int) -> Array:
     """
 
     def torques(along: SmoothedMotion) -> Torques:
+        """A twelfth of the squared sample time times the second derivative of the torque."""
         ahead = centred(along.data.tau[:, j])
         return along.dt**2 / 12.0 * _smoothed(equations, along, ahead, 2), None, None
 

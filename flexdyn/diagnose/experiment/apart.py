@@ -12,10 +12,11 @@ from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.experiment.reach import with_load
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import linearised
-from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
+from flexdyn.diagnose.hypothesis.unweighted import Unweighted
+from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.simulated.window_fit import slopes
@@ -117,7 +118,7 @@ def space_along(space: Workspace, numbers: Iterable[FileNumber], run: Measured) 
         run: the motion, without noise.
     """
     along = Equations(space.equations.model, (run,), space.equations.filters)
-    return dataclasses.replace(weighed(Unweighted.of(along, numbers), space.noise), beliefs=space.beliefs)
+    return dataclasses.replace(weighed(Unweighted.of(along, space.noise, numbers)), beliefs=space.beliefs)
 
 
 def refitted(known: Known, space: Workspace, steps: int = NEW_MOTION_STEPS) -> Refit:
@@ -127,7 +128,7 @@ def refitted(known: Known, space: Workspace, steps: int = NEW_MOTION_STEPS) -> R
     """
     first = known.hypothesis
     offsets = {effect.channel: effect.offset for effect in first.counts}
-    known_offsets = np.array([offsets.get(name, 0.0) for name in space.channels])
+    known_offsets = np.array([offsets.get(name, 0.0) for name in space.bare.channels])
     counted = space.nuisance[:, : len(known_offsets)] @ known_offsets
     numbers, old = len(first.factors), np.array(known.fitted.scales)
     nuisances = space.nuisance.shape[1]

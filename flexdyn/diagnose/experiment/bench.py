@@ -14,7 +14,8 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.experiment.apart import Known, Refit, refitted, space_along, windowed
 from flexdyn.diagnose.experiment.moves import PlannedMotion
 from flexdyn.diagnose.experiment.reach import Reach, with_load
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.effects import JointEffect, MemoryEffect
@@ -88,7 +89,7 @@ class RehearsalBench:
         if not mass:
             return self
         equations = self.space.equations
-        space = replace(self.space, equations=replace(equations, model=with_load(equations.model, mass)))
+        space = self.space.with_equations(replace(equations, model=with_load(equations.model, mass)))
         return replace(self, space=space, known=tuple(each.loaded(mass) for each in self.known))
 
     def side(self, truth: int, move: PlannedMotion) -> Side:

@@ -10,7 +10,8 @@ from dataclasses import replace
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.experiment.bench import RehearsalBench
-from flexdyn.diagnose.experiment.moves import VARIED_MOTIONS, PlannedMotion, moves, two_digits
+from flexdyn.diagnose.experiment.joint_paths import two_digits
+from flexdyn.diagnose.experiment.moves import VARIED_MOTIONS, PlannedMotion, moves
 from flexdyn.diagnose.experiment.plan import planned
 from flexdyn.diagnose.experiment.reach import load_mass
 from flexdyn.diagnose.experiment.rehearsal import CLEAR_DELTA_BIC, LONGEST_MOTION, Rehearsal
@@ -85,6 +86,7 @@ def _rehearsed(bench: RehearsalBench, some: Sequence[PlannedMotion]) -> list[Reh
     ample: list[int] = []
 
     def rehearse(k: int) -> Rehearsal | None:
+        """A motion, unless one before it has already separated enough or it fails."""
         if any(first < k for first in ample):
             return None
         with contextlib.suppress(*FAILURES):
@@ -104,6 +106,7 @@ def _moves(bench: RehearsalBench, joints: Sequence[int]) -> Iterator[PlannedMoti
     reach, true = bench.reach, bench.space.equations.true
 
     def at(k: int) -> list[list[PlannedMotion]]:
+        """The motions of each joint at a pose."""
         words = [_other_joints(true, reach.poses[k], j, POSES[k]) for j in joints]
         return [moves(reach, j, true, reach.poses[k], where) for j, where in zip(joints, words, strict=True)]
 

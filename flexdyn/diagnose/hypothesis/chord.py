@@ -9,9 +9,10 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.hypothesis.estimate import SHORTENED_STEP
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import problem_of, scales_of, tangent
+from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.parallel import SILENT
 from flexdyn.errors import SimulationError
 
@@ -44,8 +45,7 @@ class _Slopes:
         known = {key: regression.X[:, numbers + k] / scale for k, (key, scale) in enumerate(units)}
         unknowns = start.unknowns()
         if new := [key for key in unknowns if key not in known]:
-            at = base.space.equations.of(start.model())
-            along = at if space.along is None else space.along.of(start.model())
+            along = space.bare.sloping(base.space.equations.of(start.model()))
             with SILENT():
                 made = [tangent(along, *key) for key in new]
             known |= dict(zip(new, space.whiten(np.stack(made, axis=1)).T, strict=True))
@@ -61,7 +61,7 @@ class _Slopes:
         at = self.base.space.equations.of(there.model())
         scales = scales_of(there)
         units = np.ones(self.X.shape[1])
-        units[len(there.factors) : len(units) - self.space.unknown.shape[1]] = scales
+        units[len(there.factors) : len(units) - self.space.bare.unknown.shape[1]] = scales
         with SILENT():
             y = self.space.beside_nuisance(at.residual)[0][:, 0]
         made = problem_of(there, at, y, self.X * units, self.space, scales)

@@ -6,9 +6,10 @@ import dataclasses
 import math
 from collections.abc import Callable
 
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, count_of, moved
 from flexdyn.diagnose.hypothesis.linear import linearised, reached
+from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.errors import SimulationError
 
 NEGLIGIBLE_DROP = 0.05
@@ -90,7 +91,7 @@ def _after_share(base: Fit, share: float, most: float) -> Fit | None:
 
 def _counted(made: Fit, space: Workspace) -> Fit:
     """The fit with the fitted offsets of its encoders in the hypothesis."""
-    first = made.regression.X.shape[1] - space.unknown.shape[1]
-    values = made.regression.values[first : first + len(space.channels)]
-    counts = tuple(count_of(name, float(x)) for name, x in zip(space.channels, values, strict=True))
+    first = made.regression.X.shape[1] - space.bare.unknown.shape[1]
+    values = made.regression.values[first : first + len(space.bare.channels)]
+    counts = tuple(count_of(name, float(x)) for name, x in zip(space.bare.channels, values, strict=True))
     return dataclasses.replace(made, hypothesis=dataclasses.replace(made.hypothesis, counts=counts))

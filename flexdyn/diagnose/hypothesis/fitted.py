@@ -1,19 +1,18 @@
-"""A hypothesis fitted to the equations, and the common parts of all fits to the same data."""
+"""A hypothesis fitted to the equations."""
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from flexdyn.arrays import Array, Indices
-from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.regression import Regression
+from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import Effect
 from flexdyn.model.uncertain_parameters import FileNumber
@@ -130,70 +129,3 @@ class Fit:
         block = self.block or max(1, round(CORRELATION_BLOCK / seconds)) * len(self.equations.kinds)
         both = (regression.covariance, regression.sandwich(block))
         return np.asarray(np.sqrt(max(1.0, self.reduced) * np.maximum(*(np.diag(each) for each in both))))
-
-
-@dataclass(frozen=True, eq=False)
-class Workspace:
-    """The common parts of all fits to the same data.
-
-    Attributes:
-        equations: of the given model.
-        whiten: of their rows.
-        noise: of the channels, which determines the weights.
-        slopes: derivatives of the file's numbers (rows, numbers).
-        unknown: columns of offsets of the encoders, then of first states of simulated links: they are fitted but not
-            reported (rows, k).
-        nuisance_sigma: their standard deviations (k,).
-        channels: that have these offsets.
-        beliefs: prior of an effect's parameter: distance of its centre from the value, and its standard deviation.
-        along: the equations along the expected motion, for slopes; None: `equations`.
-        anew: the same with the weights of other equations; None: the weights do not change.
-    """
-
-    equations: Equations
-    whiten: Whitener
-    noise: SampleNoise
-    slopes: Array
-    unknown: Array
-    nuisance_sigma: Array
-    channels: tuple[str, ...] = ()
-    beliefs: Callable[[Effect, str], tuple[float, float]] | None = None
-    along: Equations | None = None
-    anew: Callable[[Equations], Workspace] | None = None
-
-    @lazy
-    def numbers(self) -> Array:
-        """Whitened derivatives of the file's numbers (rows, numbers)."""
-        return self.whiten(self.slopes)
-
-    @lazy
-    def nuisance(self) -> Array:
-        """Whitened columns of what is fitted but not reported (rows, k)."""
-        return self.whiten(self.unknown)
-
-    def beside_nuisance(self, rows: Array) -> tuple[Array, Array]:
-        """Whitened rows (rows, columns), and `nuisance`: one whitening of many columns takes as long as that of one."""
-        white = self.whiten(np.column_stack([rows, self.unknown]))
-        first = white.shape[1] - self.unknown.shape[1]
-        return white[:, :first], white[:, first:]
-
-    def at(self, equations: Equations) -> Workspace:
-        """The weights for other equations of the same data."""
-        return self if self.anew is None else dataclasses.replace(self.anew(equations), beliefs=self.beliefs)
-
-    def white(self, residual: Array) -> Array:
-        """The whitened residual after the best offsets of the encoders are subtracted (rows,)."""
-        return self.without_offsets(residual)[0]
-
-    def without_offsets(self, residual: Array) -> tuple[Array, float]:
-        """The same rows, and the sum of squares of these offsets over their standard deviations."""
-        rows, offsets = self.beside_nuisance(residual)
-        white = rows[:, 0]
-        loose = np.diag(1.0 / self.nuisance_sigma**2)
-        values = np.linalg.solve(offsets.T @ offsets + loose, offsets.T @ white)
-        return np.asarray(white - offsets @ values), float(np.sum((values / self.nuisance_sigma) ** 2))
-
-    @property
-    def rows(self) -> int:
-        """Number of rows that are not masked."""
-        return int((~self.whiten.mask).sum())

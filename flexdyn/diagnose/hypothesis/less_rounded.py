@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 
 from flexdyn.arrays import Array
@@ -23,7 +21,7 @@ def less_rounded(made: Fit) -> Fit:
     at = made.space.equations
     if at.simulated or at.replayed.any():
         return made
-    space = dataclasses.replace(made.space, equations=at.less(rounding(made)))
+    space = made.space.with_equations(at.less(rounding(made)))
     other = fit(made.hypothesis, space)
     return other if other.reached < made.reached else made
 

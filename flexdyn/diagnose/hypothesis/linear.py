@@ -11,9 +11,10 @@ from flexdyn.arrays import Array
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis import number_columns
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import STEP_ROUNDING, Hypothesis, bounded, least_factor
 from flexdyn.diagnose.hypothesis.regression import Regression
+from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.parallel import SILENT, in_parallel
 from flexdyn.effects import Effect, SensorEffect
 from flexdyn.errors import SimulationError
@@ -24,8 +25,6 @@ SAME_SLOPE_STEPS = 5.0
 """Slopes are kept for changes of an unknown up to this multiple of its scale [1]."""
 OUT_OF_TOLERANCE_WIDTH = 1e3
 """Relative width of the prior of a number that is out of its tolerance."""
-NOT_FINITE = "the equations are not finite along the measured motion"
-"""What the error says of a hypothesis that has no equations."""
 
 
 def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = None, at: Equations | None = None) -> Fit:
@@ -42,7 +41,7 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
     """
     at = at or space.equations.of(hypothesis.model())
     here = space.at(at)
-    along = at if space.along is None else space.along.of(hypothesis.model())
+    along = space.bare.sloping(at)
     scales = scales_of(hypothesis)
     taken = None if before is None else before.taken or before.hypothesis
     near = before if taken is not None and _near(hypothesis, taken) else None
@@ -68,14 +67,19 @@ def problem_of(
     Raises:
         SimulationError: residuals or slopes are not finite.
     """
-    with SILENT():
-        finite = np.isfinite(y @ y) and np.isfinite(np.einsum("ij,ij->j", X, X)).all()
-    if not finite:
-        raise SimulationError(NOT_FINITE, reason="overflow")
-    nuisances = space.unknown.shape[1]
+    require_finite(y, X)
+    nuisances = space.bare.unknown.shape[1]
     centre, sigma = priors(hypothesis, space)
     centre, sigma = np.append(centre, np.zeros(nuisances)), np.append(sigma, space.nuisance_sigma)
     return within_bounds(Fit(hypothesis, at, Regression(y, X, centre, sigma, space.rows, nuisances), space, scales))
+
+
+def require_finite(*white: Array) -> None:
+    """Raise a SimulationError if residuals (rows,) or slopes (rows, columns) are not finite, or their squares."""
+    with SILENT():
+        finite = all(np.isfinite(np.einsum("i...,i...->...", each, each)).all() for each in white)
+    if not finite:
+        raise SimulationError("the equations are not finite along the measured motion", reason="overflow")
 
 
 def within_bounds(made: Fit) -> Fit:
@@ -103,19 +107,20 @@ def _rows(hypothesis: Hypothesis, at: Equations, along: Equations, space: Worksp
     """White residuals (rows,) and their slopes by the numbers, the unknowns and the encoders' offsets (rows, k)."""
 
     def slope(unknown: tuple[Effect, str]) -> Array:
+        """Derivative by an unknown, in its scale."""
         with SILENT():
             return tangent_scale(*unknown) * tangent(along, *unknown)
 
     slopes = in_parallel(slope, hypothesis.unknowns())
     white, nuisance = space.beside_nuisance(np.stack([at.residual, *slopes], axis=1))
-    numbers = _slopes_of_numbers(hypothesis, along, space)
+    numbers = slopes_of_numbers(hypothesis, along, space)
     return white[:, 0], np.column_stack([numbers, white[:, 1:], nuisance])
 
 
 def _same_slopes(near: Fit, at: Equations, space: Workspace, scales: tuple[float, ...]) -> tuple[Array, Array]:
     """The same with the slopes of a fit that is near."""
     X = (near.free or near.regression).X.copy()
-    first, end = len(near.hypothesis.factors), X.shape[1] - space.unknown.shape[1]
+    first, end = len(near.hypothesis.factors), X.shape[1] - space.bare.unknown.shape[1]
     X[:, first:end] *= np.array(scales) / np.array(near.scales)
     white, X[:, end:] = space.beside_nuisance(at.residual)
     return white[:, 0], X
@@ -148,7 +153,7 @@ def reached(hypothesis: Hypothesis, at: Equations, space: Workspace) -> float:
     return alone.at_zero + float(((centre / sigma) ** 2).sum())
 
 
-def _slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) -> Array:
+def slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) -> Array:
     """Whitened derivatives of the file's numbers (rows, numbers); derivatives that have changed are computed again.
 
     These are those of numbers far from their given values, those of a joint whose encoders or spring were wrong,

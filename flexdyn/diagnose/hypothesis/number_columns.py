@@ -39,6 +39,7 @@ def of_numbers(equations: Equations, numbers: tuple[FileNumber, ...]) -> Array:
     joints = [k for k in range(len(numbers)) if k not in links]
 
     def of_joint(k: int) -> Array:
+        """Derivative by a number of a joint."""
         with SILENT():
             return _of_joint(equations, numbers[k])
 

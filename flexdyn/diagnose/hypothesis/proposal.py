@@ -142,6 +142,7 @@ def declared(
     place = {"effect": kind.name, **place}
 
     def build(point: Point, x: Sequence[float]) -> Effect | None:
+        """The law with these numbers; None: they make none."""
         numbers = kind.numbers_of(point, x)
         return None if numbers is None else effect_from_dict({**place, **numbers})
 

@@ -19,7 +19,7 @@ from scipy.linalg import cho_solve
 from flexdyn.arrays import Array, Indices
 from flexdyn.diagnose.constants import CERTAIN_SIGMAS, NOISE_LEVEL_ERROR, OFTEN, ON_LINKS, PREVALENCE_ODDS, SELDOM
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.gram import lower_factor
+from flexdyn.diagnose.inference.evidence import lower_factor
 from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.torque_shares import torque_share

@@ -10,7 +10,7 @@ from flexdyn.arrays import Array, Indices
 from flexdyn.diagnose.constants import EFFECT_TORQUE_SHARE, NEGLIGIBLE_SHARE, SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.hypothesis.proposal import Point
 from flexdyn.diagnose.inference.candidate import Candidate, Column
-from flexdyn.diagnose.inference.gram import Prior
+from flexdyn.diagnose.inference.evidence import Prior
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.model_error import Seen
 from flexdyn.diagnose.inference.products import Products

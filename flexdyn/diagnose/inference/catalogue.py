@@ -59,6 +59,7 @@ def _of_effect(equations: Equations, effect: Effect, scale: float) -> Array:
         return columns.of_effect(equations, effect, scale)
 
     def lost(along: SmoothedMotion) -> tuple[str, Array]:
+        """What an error of the torque on its way changes, of the torque that the motion needs."""
         tau = along.tau.copy()
         tau[:, j] = equations.needed(along, j)
         return "motor", columns.on_its_way(equations.true, effect, replace(along, tau=tau, held=None), j)
@@ -71,6 +72,7 @@ def _of_loaded(equations: Equations, effect: JointEffect) -> Array:
     j = true.index(effect.joint)
 
     def friction(along: SmoothedMotion) -> tuple[str, Array]:
+        """Friction of the rotor that grows with the load."""
         # What a rigid joint carries: all that the link needs, the rotor left out, whose inertia is in M.
         carried = joint_terms(true, true.all_effects, along, j).tau_s - true.rotor_inertia[j] * along.a[:, j]
         return "motor", -effect.torque(along.theta[:, j], along.omega[:, j], tau=carried)
@@ -82,6 +84,7 @@ def _of_late_torque(equations: Equations, effect: SensorEffect) -> Array:
     j = equations.true.index(effect.joint)
 
     def earlier(along: SmoothedMotion) -> tuple[str, Array]:
+        """How much an earlier torque differs from the one that the motion needs."""
         needed = equations.needed(along, j)
         return "motor", later(along.t, needed, -effect.lateness) - needed
 

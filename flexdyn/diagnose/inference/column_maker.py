@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.constants import EFFECT_TORQUE_SHARE, FIXED_SIZE_WIDTH, FREED_TOLERANCES, FREED_WIDTH
-from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.proposal import Point, Proposal
+from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.inference.candidate import Column
 from flexdyn.diagnose.inference.catalogue import columns_of
 from flexdyn.diagnose.inference.sizes import Sizes
@@ -31,39 +31,33 @@ class ColumnMaker:
 
     Attributes:
         equations: of the start.
-        whiten: rows by the sensors' noise.
+        work: weights by the sensors' noise, and the offsets of the encoders.
         start: the file's numbers where they stand, and the effects that were found.
         numbers: whitened columns of the file's numbers (rows, numbers).
-        offsets: whitened columns of the encoders' offsets (rows, channels).
-        offset_std: of their priors (channels,).
         proposals: of effects that the model does not hold yet.
-        noise: of the channels.
         first: the same at the model as given, whose torques scale the priors; None: this one.
         given_sizes: largest shares of the columns made so far.
     """
 
     equations: Equations
-    whiten: Whitener
+    work: Workspace
     start: Hypothesis
     numbers: Array
-    offsets: Array
-    offset_std: Array
     proposals: tuple[Proposal, ...]
-    noise: SampleNoise
     first: ColumnMaker | None = None
     given_sizes: dict[tuple[object, ...], Array] = dataclasses.field(default_factory=dict, init=False)
 
     @lazy
     def sizes(self) -> Sizes:
         """How large effects are here."""
-        return Sizes(self.equations, self.noise, self.whiten.mask)
+        return Sizes(self.equations, self.work.noise, self.work.whiten.mask)
 
     def always(self) -> Column:
         """The file's numbers, within their tolerance, and offsets of the encoders."""
         centre = 1.0 - np.array(list(self.start.factors.values()))
-        std = np.concatenate([[max(n.tolerance, 1e-9) for n in self.start.factors], self.offset_std])
-        mean = np.concatenate([centre, np.zeros(len(self.offset_std))])
-        return Column.of(np.concatenate([self.numbers, self.offsets], axis=1), self.many, std, mean)
+        std = np.concatenate([[max(n.tolerance, 1e-9) for n in self.start.factors], self.work.nuisance_sigma])
+        mean = np.concatenate([centre, np.zeros(len(self.work.nuisance_sigma))])
+        return Column.of(np.concatenate([self.numbers, self.work.nuisance], axis=1), self.many, std, mean)
 
     @property
     def many(self) -> int:
@@ -79,7 +73,7 @@ class ColumnMaker:
 
     def columns(self, proposal: Proposal, point: Point) -> Column | None:
         """Of a proposal at a grid point; None where it does nothing there, or nothing finite."""
-        width, times = len(proposal.units(point)), self.whiten.mask.size // self.many
+        width, times = len(proposal.units(point)), self.work.whiten.mask.size // self.many
         return self.of_points(proposal, (point,), np.empty((self.many, width, times), np.float32))[0]
 
     def of_points(
@@ -94,7 +88,7 @@ class ColumnMaker:
             kept: where in `Products.X` that is; None: nowhere.
         """
         raw = [columns_of(self.equations, proposal, point) for point in points]
-        self.whiten.apart(np.concatenate(raw), white)
+        self.work.whiten.apart(np.concatenate(raw), white)
         ends, found = np.cumsum([0, *(len(each) for each in raw)]).tolist(), []
         for point, each, (first, last) in zip(points, raw, itertools.pairwise(ends), strict=True):
             column = self._column(proposal, point, each, white[:, first:last])

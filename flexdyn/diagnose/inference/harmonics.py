@@ -51,6 +51,7 @@ def peaks(equations: Equations, left: Array, runs: Indices, row: int, signal: st
     width = math.sqrt(first.variance + second.variance) * equations.data[0].dt
 
     def power(h: Array) -> Array:
+        """Squares of the rows that waves of these harmonics explain."""
         fade = np.exp(-0.5 * (h * u[:, None] * width) ** 2)
         parts = [fade * wave(h * x[:, None]) for wave in (np.cos, np.sin)]
         C, S = (process.innovations(part, runs) for part in parts)

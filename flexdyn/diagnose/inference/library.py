@@ -27,7 +27,7 @@ class Library(ColumnMaker):
 
     def most_columns(self) -> int:
         """Columns that all candidates and every structure have, at most."""
-        numbers = 2 * int(self.numbers.shape[1]) + int(self.offsets.shape[1]) + len(self.start.effects)
+        numbers = 2 * int(self.numbers.shape[1]) + int(self.work.nuisance.shape[1]) + len(self.start.effects)
         tangents = len(self.start.unknowns())
         laws = [len(p.units(point)) for p in self._open for point in p.grid]
         plain = [len(p.units(p.grid[0])) for p in self._open if len(p.grid) == 1]  # small amounts of every law
@@ -35,7 +35,7 @@ class Library(ColumnMaker):
 
     def candidates(self, products: Products) -> tuple[list[Candidate], list[Column]]:
         """All of them, with the columns of their grids in the order of their places; many are written into products."""
-        first = self.numbers.shape[1] + self.offsets.shape[1]
+        first = self.numbers.shape[1] + self.work.nuisance.shape[1]
         found, columns = [], []
         for k, number in enumerate(self.start.factors):
             found.append(Candidate(number.parameter, None, number, [()], [np.array([first])], 1))

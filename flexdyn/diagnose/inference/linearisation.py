@@ -8,21 +8,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexdyn.arrays import Flags
 from flexdyn.diagnose.constants import OCCAM_WINDOW, WHOLE_NUMBER_LOG_ODDS
-from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.hypothesis.estimate import SHORTENED_STEP, fit
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.linear import linearised
+from flexdyn.diagnose.hypothesis.linear import require_finite, slopes_of_numbers
 from flexdyn.diagnose.hypothesis.proposal import Proposal
-from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
+from flexdyn.diagnose.hypothesis.unweighted import Unweighted
+from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
 from flexdyn.diagnose.inference.autoregression import runs_of
 from flexdyn.diagnose.inference.harmonics import with_harmonics
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.memory import check_memory
 from flexdyn.diagnose.inference.model_error import ModelError
-from flexdyn.diagnose.inference.odds_by_fits import log_density_at
+from flexdyn.diagnose.inference.posterior_of_fit import log_density_at
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.standing_effects import beliefs
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
@@ -52,50 +51,37 @@ class Linearisation:
     Attributes:
         space: candidates and their matrix there.
         near: the equations, with slopes along the motion that is expected there.
-        noise: of the channels.
-        mask: rows that are not used (rows,).
     """
 
     space: Space
     near: Unweighted
-    noise: SampleNoise
-    mask: Flags
 
     @classmethod
-    def of(
-        cls,
-        bare: Unweighted,
-        recorded: SampleNoise,
-        mask: Flags,
-        here: Hypothesis,
-        own: list[Proposal],
-        first: Library | None,
-    ) -> Linearisation:
+    def of(cls, bare: Unweighted, here: Hypothesis, own: list[Proposal], first: Library | None) -> Linearisation:
         """The equations near a hypothesis.
 
         Args:
-            bare: the equations of the model as given.
-            recorded: noise of the channels, as the records show it.
-            mask: rows that are not used (rows,).
+            bare: the equations of the model as given, with the noise that the records show.
             here: the hypothesis.
             own: proposals of effects, without the harmonics of this residual.
             first: the library at the model as given; None: this is it.
+
+        Raises:
+            SimulationError: the equations are not finite.
         """
         at = bare.equations.of(here.model())
-        bare = bare.with_offsets_of(at)
-        noise = quieter(recorded, at, mask)
-        seen = rows_of(at, mask)
-        work = weighed(bare, noise, mask, filter_error(bare.equations, here), at)
-        near, work, in_slopes = along_expected(bare, work, here, at, seen)
-        made = linearised(here, work, at=at)
-        slopes = (made.free or made.regression).X[:, : len(here.factors)]
-        listed = with_harmonics(at, own, runs_of(mask, list(seen.lengths), len(at.kinds)))
+        bare = dataclasses.replace(bare, noise=quieter(bare.noise, at, bare.mask)).with_offsets_of(at)
+        seen = rows_of(bare)
+        work = weighed(bare, at, filter_error(bare.equations, here))
+        work, in_slopes = along_expected(work, here, at)
+        along = work.bare.sloping(at)
+        left, slopes = work.whiten(at.residual), slopes_of_numbers(here, along, work)
+        require_finite(left, slopes)
+        listed = with_harmonics(at, own, runs_of(bare.mask, list(seen.lengths), len(at.kinds)))
         if first is None:
-            check_memory(listed, mask.size, sum(float(along.t[-1] - along.t[0]) for along in at.motions))
-        along = at if near.along is None else near.along.of(here.model())
-        whole = slopes, work.nuisance, work.nuisance_sigma
-        library = Library(along, work.whiten, here, *whole, tuple(listed), noise, first)
-        return cls(Space(library, work.whiten(at.residual), seen, in_slopes), near, noise, mask)
+            check_memory(listed, bare.mask.size, sum(float(each.t[-1] - each.t[0]) for each in at.motions))
+        library = Library(along, work, here, slopes, tuple(listed), first)
+        return cls(Space(library, left, seen, in_slopes), work.bare)
 
     def best_fitted(self, structure: Structure, steps: int, *, whole: bool = False) -> Fit:
         """The fit of a structure, from its coefficients in the linear equations.
@@ -152,6 +138,7 @@ class Linearisation:
         """First values of a structure: shares of its step are tried as long as each is more likely than the last."""
 
         def begun(share: float) -> tuple[float, Hypothesis]:
+            """Log density of the first values after a share of the step, and these values."""
             there = self._begun(structure, whole=whole, share=share)
             return self._log_density(there), there
 
@@ -171,10 +158,10 @@ class Linearisation:
     @lazy
     def plain(self) -> Workspace:
         """Weights by the sensors' noise alone; where rows are full of it, they follow the numbers that it is times."""
-        made = weighed(self.near, self.noise, self.mask)
+        made = weighed(self.near)
         if not self.near.equations.noisy:
             return made
-        return dataclasses.replace(made, anew=lambda at: weighed(self.near, self.noise, self.mask, at=at))
+        return dataclasses.replace(made, anew=lambda at: weighed(self.near, at))
 
     def fitted(self, there: Hypothesis, steps: int, error: ModelError | None = None) -> Fit:
         """The fit of a hypothesis, with weights by what the last fit left until they suit it.
@@ -187,19 +174,18 @@ class Linearisation:
         """
         priors, most = beliefs(self.space.library, there.effects), -math.inf
         for k in range(WEIGHTINGS):
-            work = for_fit(self.near, self.noise, self.mask, self.space.seen, there, error)
-            work = dataclasses.replace(work, beliefs=priors)
+            work = dataclasses.replace(for_fit(self.near, there, error), beliefs=priors)
             made = _natural(fit(there, work, steps=steps), self.space, work)
             there, likely = made.hypothesis, self._log_density(made.hypothesis)
             if k == 0 or likely > most:
                 best, most = made, likely
             if _is_well_weighted(made):
                 break
-            left = error_of(self.plain.at(made.equations), made.equations.residual, self.space.seen)
+            left = error_of(self.plain.at(made.equations), made.equations.residual)
             error = left if error is None else dataclasses.replace(error, scale=left.scale)
         if _is_well_weighted(best):
             return best
-        work = for_fit(self.near, self.noise, self.mask, self.space.seen, best.hypothesis)
+        work = for_fit(self.near, best.hypothesis)
         return fit(best.hypothesis, dataclasses.replace(work, beliefs=priors), steps=1)  # weights for its intervals
 
 

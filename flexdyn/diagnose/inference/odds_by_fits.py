@@ -2,34 +2,30 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable
+from typing import TypeVar
 
 import numpy as np
 
-from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.constants import CERTAIN_SIGMAS, NOISE_LEVEL_ERROR, OCCAM_WINDOW, STRONG_GAIN_SHARE
-from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.hypothesis.chord import chord_fit
 from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.hypothesis.fitted import Fit, Workspace
+from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.linear import priors
-from flexdyn.diagnose.inference.search import Scan
-from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.diagnose.inference.posterior_of_fit import STEPS_OF_A_FIT, log_posterior, squares_left
+from flexdyn.diagnose.inference.scan import Scan
+from flexdyn.diagnose.inference.space import Identities, Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
-from flexdyn.diagnose.inference.whitening import Tempered
 from flexdyn.errors import SimulationError
 
-STEPS_OF_A_FIT, STEPS_TRIED = 8, 2
-"""Gauss-Newton steps of the fit of a structure that another linearisation prefers, and of one that is tried."""
+STEPS_TRIED, LAST_STEPS = 2, 8
+"""Gauss-Newton steps at most: of the fit of a structure that is tried, and of the last one."""
+Tried = TypeVar("Tried", bound=Fit | None)
 
 
 def odds_by_fits(space: Space, best: Structure, fitted: Fit, others: Iterable[frozenset[int]]) -> tuple[float, ...]:
     """Odds of structures to the best one, at most 1: all of them fitted under the best one's weights.
-
-    ``log p = log likelihood of what the fit leaves + log priors at its numbers + Occam's factor``; the last one is that
-    of the linear equations.
 
     Args:
         space: of the last linearisation.
@@ -61,11 +57,9 @@ def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) ->
     """
     lacks = _lacks(space, base)
     added = [point for gain, point in Scan(space).additions(stands) if lacks and gain > -OCCAM_WINDOW]
-    values = {stands: log_posterior(space, stands, base)}
-    for each in (best, *_with(space, stands, added)):
-        if each not in values:
-            values[each] = _by_fit(space, each, base, STEPS_TRIED)
-    return max(values, key=lambda each: values[each])
+    others = dict.fromkeys(each for each in (best, *_with(space, stands, added)) if each != stands)
+    tried = ((each, _fit_of_structure(space, each, base, STEPS_TRIED)) for each in others)
+    return _most_likely(space, itertools.chain([(stands, base)], tried))[0]
 
 
 def best_where_not_linear(space: Space, best: Structure, base: Fit, stands: Structure) -> Structure:
@@ -82,53 +76,35 @@ def best_where_not_linear(space: Space, best: Structure, base: Fit, stands: Stru
         base: the fit of `stands`, under whose weights all are fitted.
         stands: the structure at which it is.
     """
-    kept = _by_fit(space, best, base, STEPS_OF_A_FIT)
-    if kept > space.value(best) - OCCAM_WINDOW:
+    kept = best, _fit_of_structure(space, best, base, STEPS_OF_A_FIT)
+    if _value(space, *kept) > space.value(best) - OCCAM_WINDOW:
         return best
     gains = Scan(space).additions(stands)
     strong = [point for gain, point in gains if gain > STRONG_GAIN_SHARE * gains[0][0]]
-    for structure in _with(space, stands, strong):
-        made = _fit_of_structure(space, structure, base, STEPS_OF_A_FIT)
-        if made is None or _lacks(space, made):
-            continue
-        value = log_posterior(space, structure, made)
-        if value > kept:
-            best, kept = structure, value
-    return best
+    tried = ((each, _fit_of_structure(space, each, base, STEPS_OF_A_FIT)) for each in _with(space, stands, strong))
+    alone = ((each, made) for each, made in tried if made is not None and not _lacks(space, made))
+    return _most_likely(space, itertools.chain([kept], alone))[0]
 
 
-def fit_if_likely(
-    space: Space, structure: Structure, start: Hypothesis, base: Fit, least: float
-) -> tuple[float, Fit | None]:
-    """Log posterior of a structure by its fit, and the fit, which ends early where it will not reach a least value.
-
-    The first steps keep the slopes of another fit. What they reach, and what they promise beyond it, tells whether the
-    fit goes on with its own slopes.
+def most_likely_visited(
+    space: Space, best: Structure, fitted: Fit, visited: Iterable[tuple[Identities, Hypothesis]]
+) -> tuple[Structure, Fit]:
+    """The most likely by fits of the last structure and those of earlier passes: a search that does not settle wanders.
 
     Args:
-        space: of the linearisation.
-        structure: to be fitted.
-        start: its first values.
-        base: a fit near it, under whose weights this one is made.
-        least: log posterior that it must reach to be of interest.
+        space: of the last linearisation.
+        best: its best structure.
+        fitted: the fit of that one, under whose weights all are fitted.
+        visited: structures of earlier passes, and where their fits ended.
     """
-    try:
-        made = chord_fit(start, base)
-    except SimulationError:  # nothing can be computed there
-        return -math.inf, None
-
-    def hopeless(made: Fit) -> bool:
-        return log_posterior(space, structure, made) + 0.5 * (made.reached - made.chi2) <= least
-
-    if not hopeless(made):
-        made = fit(made.hypothesis, base.space, steps=STEPS_OF_A_FIT, hopeless=hopeless)
-    return log_posterior(space, structure, made), made
-
-
-def carried_on(space: Space, structure: Structure, made: Fit) -> Fit:
-    """A fit that went on in the way in which others are tried beside it, where that makes it more likely."""
-    value, other = fit_if_likely(space, structure, made.hypothesis, made, log_posterior(space, structure, made))
-    return made if other is None or value <= log_posterior(space, structure, made) else other
+    tried = [(best, fitted)]
+    for identities, there in visited:
+        candidates = space.having(identities)
+        if len(candidates) == len(identities) and (made := _fit_from(there, fitted, LAST_STEPS)) is not None:
+            tried.append((in_space(space, candidates), made))
+    best, fitted = _most_likely(space, tried)
+    space.value(best)  # it is one of those that are compared
+    return best, fitted
 
 
 def _lacks(space: Space, made: Fit) -> bool:
@@ -142,16 +118,25 @@ def _with(space: Space, stands: Structure, added: Iterable[tuple[int, int]]) -> 
     return [stands | {(c, p)} for c, p in added if not waits(space, c)]
 
 
-def _by_fit(space: Space, structure: Structure, base: Fit, steps: int) -> float:
-    """Log posterior of a structure, fitted in some steps."""
-    made = _fit_of_structure(space, structure, base, steps)
+def _most_likely(space: Space, fits: Iterable[tuple[Structure, Tried]]) -> tuple[Structure, Tried]:
+    """The structure that is the most likely by its fit, and the fit; the first of equals."""
+    return max(fits, key=lambda each: _value(space, *each))
+
+
+def _value(space: Space, structure: Structure, made: Fit | None) -> float:
+    """Log posterior of a structure by its fit, if it has one."""
     return -math.inf if made is None else log_posterior(space, structure, made)
 
 
 def _fit_of_structure(space: Space, structure: Structure, base: Fit, steps: int) -> Fit | None:
     """The fit of a structure; None: its numbers by the linear equations are no model."""
+    return _fit_from(hypothesis_of(space, structure, whole=True), base, steps)
+
+
+def _fit_from(start: Hypothesis, base: Fit, steps: int) -> Fit | None:
+    """A fit under the weights of another one; None: it begins where nothing can be computed."""
     try:
-        return fit(hypothesis_of(space, structure, whole=True), base.space, steps=steps)
+        return fit(start, base.space, steps=steps)
     except SimulationError:
         return None
 
@@ -165,42 +150,3 @@ def in_space(space: Space, candidates: frozenset[int]) -> Structure:
             place.setdefault(c, p)
     same = next((s for s in ranked if {c for c, _ in s} == candidates), None)
     return same if same is not None else frozenset((c, place.get(c, 0)) for c in candidates)
-
-
-def log_posterior(space: Space, structure: Structure, made: Fit) -> float:
-    """Of a structure by its fit, not normalised: see `odds_by_fits`."""
-    own = space.estimate(structure)
-    gained = space.log_gained(made.hypothesis.effects)
-    density = _log_density(space, made.hypothesis, made.equations, made.space)
-    return density + gained + space.log_volume(structure, own) + space.log_large(structure, own)
-
-
-def log_density_at(space: Space, there: Hypothesis, work: Workspace) -> float:
-    """Of a hypothesis as it is, with the weights of a workspace; -inf where its equations are not finite."""
-    try:
-        return _log_density(space, there, work.equations.of(there.model()), work)
-    except SimulationError:
-        return -math.inf
-
-
-def _log_density(space: Space, there: Hypothesis, at: Equations, work: Workspace) -> float:
-    """Log likelihood of what a hypothesis leaves, under the model error of a linearisation, and of the priors.
-
-    These are of the numbers and of the offsets of the encoders: an offset may take up a torque that is missing.
-    """
-    centre, sigma = priors(there, work)
-    squares, of_offsets = squares_left(at, work)
-    return space.noise.log_likelihood(squares) - 0.5 * (float(np.sum((centre / sigma) ** 2)) + of_offsets)
-
-
-def squares_left(at: Equations, work: Workspace, hidden: Flags | bool = False) -> tuple[Array, float]:
-    """Sums of the squared rows of each equation that are not hidden, in units of the sensors' noise (equations,).
-
-    And that of the encoders' offsets, over their variances.
-    """
-    weights = work.at(at)
-    white, of_offsets = weights.without_offsets(at.residual)
-    squares = (np.where(hidden, 0.0, white).reshape(-1, len(at.kinds)) ** 2).sum(axis=0)
-    if isinstance(weights.whiten, Tempered):
-        squares = squares * weights.whiten.error.scale**2 * weights.whiten.error.times
-    return np.asarray(squares), of_offsets

@@ -2,50 +2,45 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from flexdyn.arrays import Flags
 from flexdyn.diagnose.constants import STRONG_GAIN_SHARE
 from flexdyn.diagnose.equations.covariance import SampleNoise
-from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.workspace import Unweighted, chosen_again
+from flexdyn.diagnose.hypothesis.prepared import chosen_again
+from flexdyn.diagnose.hypothesis.unweighted import Unweighted
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.linearisation import Linearisation
 from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.odds_by_fits import (
+    LAST_STEPS,
     best_by_fits,
     best_where_not_linear,
-    in_space,
-    log_posterior,
+    most_likely_visited,
     odds_by_fits,
 )
 from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.shapes import likeliest_shapes
-from flexdyn.diagnose.inference.space import Space, Structure
+from flexdyn.diagnose.inference.space import Identities, Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, waits
-from flexdyn.diagnose.inference.weights import for_fit, quieter, rows_of
+from flexdyn.diagnose.inference.weights import for_fit, quieter
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
-from flexdyn.errors import SimulationError
 
 MOST_PASSES = 5
 """Linearisations at most."""
 MODEL_ERROR_ROUNDS = 25
 """Times that model error and structure are estimated in turn, at most."""
-NUMBERS_STEPS, PASS_STEPS, LAST_STEPS = 3, 4, 8
-"""Gauss-Newton steps at most: of the file's numbers alone, between two linearisations, and in the end."""
-Places = frozenset[tuple[object, ...]]
-"""Kind and place of every candidate of a structure."""
+NUMBERS_STEPS, PASS_STEPS = 3, 4
+"""Gauss-Newton steps at most: of the file's numbers alone, and between two linearisations."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +68,7 @@ class Posterior:
     settled: bool
     known: Mapping[Structure, float]
     expected: tuple[str, ...] = ()
-    earlier: tuple[Places, ...] = ()
+    earlier: tuple[Identities, ...] = ()
     by_fits: tuple[tuple[Structure, frozenset[int], float], ...] = ()
     left_out: Mapping[int, float] = dataclasses.field(default_factory=dict)
 
@@ -85,32 +80,29 @@ class Posterior:
     @lazy
     def other_linearisations(self) -> tuple[tuple[frozenset[int], float], ...]:
         """Candidates of this space that each of `earlier` holds, and their odds to the best structure by fits."""
-        place = {candidate.identity: c for c, candidate in enumerate(self.space.candidates)}
-        sets = [frozenset(place[each] for each in seen if each in place) for seen in self.earlier]
+        sets = [self.space.having(identities) for identities in self.earlier]
         return tuple(zip(sets, odds_by_fits(self.space, self.best, self.fitted, sets), strict=True)) if sets else ()
 
 
-def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis, *, chosen: bool = False) -> Posterior:
+def posterior(bare: Unweighted, start: Hypothesis, *, chosen: bool = False) -> Posterior:
     """Compare structures on the equations.
 
     Args:
-        bare: the equations of the model as given.
-        noise: of the channels, as the records show it.
+        bare: the equations of the model as given, with the noise that the records show.
         start: the file's numbers where they stand.
         chosen: whether the first fit has confirmed what the equations take unmeasured links for; else it decides, and
             the comparison may begin anew.
     """
     own = everything(bare.equations)
-    mask = sign_mask(bare.equations, noise)
     start = dataclasses.replace(start, fits_cycles=True)
-    here = _in_tolerance(_numbers_alone(bare, noise, mask, start), start)
+    here = _in_tolerance(_numbers_alone(bare, start), start)
     first: Library | None = None
-    compared: list[Places] = []
-    passed: set[tuple[Places, Places]] = set()
-    visited: list[tuple[Places, Hypothesis]] = []
+    compared: list[Identities] = []
+    passed: set[tuple[Identities, Identities]] = set()
+    visited: list[tuple[Identities, Hypothesis]] = []
     for k in range(MOST_PASSES):
         tell(f"comparing structures: pass {k + 1} of at most {MOST_PASSES}", 0.05 + 0.6 * k / MOST_PASSES)
-        near = Linearisation.of(bare, noise, mask, here, own, first)
+        near = Linearisation.of(bare, here, own, first)
         space = near.space
         first = first or space.library
         know(space=space)
@@ -119,7 +111,7 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis, *, chosen
         if bare.equations.simulated or best != stands:
             likeliest = best_by_fits if bare.equations.simulated else best_where_not_linear
             best = likeliest(space, best, near.fitted(hypothesis_of(space, stands), PASS_STEPS), stands)
-        places, at = (frozenset(space.candidates[c].identity for c, _ in each) for each in (best, stands))
+        places, at = space.identities(best), space.identities(stands)
         # Where the file's numbers are far off, nothing may look worth adding: only a fit's linearisation can say that.
         stays = k > 0 and _nonlinear(space, best) == _nonlinear(space, stands)
         # A structure that comes again counts where it comes from the same one: weights and slopes follow what stands.
@@ -132,9 +124,9 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis, *, chosen
             break
         strong = best if bare.equations.simulated else _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1))
         here = dataclasses.replace(near.best_fitted(strong, PASS_STEPS).hypothesis, fits_cycles=True)
-        if k == 0 and not chosen and (other := chosen_again(bare, noise, here)) is not bare:
-            return posterior(other, noise, start, chosen=True)
-        visited.append((frozenset(space.candidates[c].identity for c, _ in strong), here))
+        if k == 0 and not chosen and (other := chosen_again(bare, here)) is not bare:
+            return posterior(other, start, chosen=True)
+        visited.append((space.identities(strong), here))
         space.forget()
     space.known = {}
     best = among_rivals(space, explore(space, [best]))
@@ -145,40 +137,14 @@ def posterior(bare: Unweighted, noise: SampleNoise, start: Hypothesis, *, chosen
     return Posterior(bare, space, best, fitted, settled, space.known, earlier=earlier)
 
 
-def most_likely_visited(
-    space: Space, best: Structure, fitted: Fit, visited: list[tuple[Places, Hypothesis]]
-) -> tuple[Structure, Fit]:
-    """The most likely by fits of the last structure and those of earlier passes: a search that does not settle wanders.
-
-    Args:
-        space: of the last linearisation.
-        best: its best structure.
-        fitted: the fit of that one, under whose weights all are fitted.
-        visited: structures of earlier passes, and where their fits ended.
-    """
-    place = {candidate.identity: c for c, candidate in enumerate(space.candidates)}
-    most = log_posterior(space, best, fitted)
-    for places, there in visited:
-        if not places <= place.keys():
-            continue
-        structure = in_space(space, frozenset(place[each] for each in places))
-        with contextlib.suppress(SimulationError):
-            made = fit(there, fitted.space, steps=LAST_STEPS)
-            value = log_posterior(space, structure, made)
-            if value > most:
-                best, fitted, most = structure, made, value
-    space.value(best)  # it is one of those that are compared
-    return best, fitted
-
-
-def _numbers_alone(bare: Unweighted, recorded: SampleNoise, mask: Flags, start: Hypothesis) -> Hypothesis:
+def _numbers_alone(bare: Unweighted, start: Hypothesis) -> Hypothesis:
     """A first fit of the file's numbers."""
     at = bare.equations.of(start.model())
-    noise = quieter(recorded, at, mask)
-    return fit(start, for_fit(bare, noise, mask, rows_of(at, mask), start), steps=NUMBERS_STEPS).hypothesis
+    bare = dataclasses.replace(bare, noise=quieter(bare.noise, at, bare.mask))
+    return fit(start, for_fit(bare, start), steps=NUMBERS_STEPS).hypothesis
 
 
-def linearised_elsewhere(compared: list[Places], places: Places) -> tuple[Places, ...]:
+def linearised_elsewhere(compared: list[Identities], places: Identities) -> tuple[Identities, ...]:
     """Structures at other linearisations.
 
     Those since the same one was compared before; if it never was, all but that at the file's numbers.

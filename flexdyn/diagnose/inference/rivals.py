@@ -8,7 +8,8 @@ from flexdyn.diagnose.constants import EVEN_ODDS_WINDOW
 from flexdyn.diagnose.hypothesis.proposal import Point
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.refinement import refined
-from flexdyn.diagnose.inference.search import Scan, explore
+from flexdyn.diagnose.inference.scan import Scan
+from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.space import Space, Structure
 
 
@@ -36,10 +37,11 @@ def among_rivals(space: Space, best: Structure) -> Structure:
 
 def _evenly(space: Space, best: Structure) -> None:
     """Compare what the prior of places alone may hold down: other laws in the place of each, and less of them."""
-    scan, bound = Scan(space), space.value(best) - space.log_places(best) - EVEN_ODDS_WINDOW
+    scan, bound = Scan(space), space.value(best) - space.places.log_prior(best) - EVEN_ODDS_WINDOW
 
     def stands(structure: Structure, value: float) -> bool:
-        return value - space.log_places(structure) > bound
+        """Whether a structure is likely but for the prior of places."""
+        return value - space.places.log_prior(structure) > bound
 
     for each in sorted(best):
         rest = best - {each}

@@ -13,7 +13,7 @@ from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.proposal import Point
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.catalogue import columns_of
-from flexdyn.diagnose.inference.odds_by_fits import fit_if_likely, log_posterior
+from flexdyn.diagnose.inference.posterior_of_fit import fit_if_likely, log_posterior
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import effect_of
 from flexdyn.effects import Effect

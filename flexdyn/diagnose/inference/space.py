@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterable
 
 import numpy as np
@@ -11,17 +10,19 @@ from scipy.special import log_ndtr
 
 from flexdyn.arrays import Array, Indices
 from flexdyn.diagnose.inference.candidate_matrix import CandidateMatrix
-from flexdyn.diagnose.inference.gram import NEGATIVE_SIGMAS, Estimate, Gram
+from flexdyn.diagnose.inference.evidence import NEGATIVE_SIGMAS
+from flexdyn.diagnose.inference.gram import Estimate, Gram
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.model_error import ModelError, Seen
-from flexdyn.diagnose.inference.priors import EVERY_MOTOR
-from flexdyn.diagnose.inference.structure_prior import log_harmonic, log_places
+from flexdyn.diagnose.inference.structure_prior import PriorOfPlaces, log_harmonic
 from flexdyn.diagnose.inference.torque_shares import share_apart, torque_share
-from flexdyn.diagnose.lazy import kept, lazy
+from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import Effect, JointEffect
 
 Structure = frozenset[tuple[int, int]]
 """Candidates that a structure holds, each with its grid point."""
+Identities = frozenset[tuple[object, ...]]
+"""Kind and place of every candidate of a structure."""
 
 
 class Space:
@@ -39,7 +40,7 @@ class Space:
         self.noise_in_slopes = np.ones(seen.valid.shape[1]) if noise_in_slopes is None else noise_in_slopes
         self.matrix = CandidateMatrix(library, rows, seen)
         self.candidates = self.matrix.candidates
-        self.places = Counter(each.group for each in self.candidates)
+        self.places = PriorOfPlaces(self.candidates)
 
     def under(self, noise: ModelError) -> None:
         """Compare under a model error from now on."""
@@ -73,6 +74,14 @@ class Space:
             return None
         self.gram.grow()
         return len(candidate.points) - 1
+
+    def identities(self, structure: Structure) -> Identities:
+        """Kinds and places of a structure's candidates, which are the same in the spaces of all linearisations."""
+        return frozenset(self.candidates[c].identity for c, _ in structure)
+
+    def having(self, identities: Identities) -> frozenset[int]:
+        """Candidates of these kinds and places, as far as they are in this space."""
+        return frozenset(c for c, each in enumerate(self.candidates) if each.identity in identities)
 
     def columns(self, structure: Structure) -> Indices:
         """Columns of a structure's candidates (k,)."""
@@ -166,40 +175,6 @@ class Space:
                 share[k] *= share_apart(self.gram, columns, own.mean[here], plain)
         return total + float(log_ndtr((share - least) / np.maximum(spread, 1e-12)).sum())
 
-    def own_share(self, structure: Structure, c: int, other: int) -> float:
-        """Share of its joint's torque that a candidate of a structure has and another one in its place cannot make [1].
-
-        Beside what every structure has: the file's numbers, and a small amount of every law, which stands for what no
-        model resolves.
-        """
-        columns, mean = self._made(structure, c)
-        share = torque_share(self.candidates[c], self.matrix.size[columns], mean)
-        return share * share_apart(self.gram, columns, mean, [self.candidates[other].columns[0]])
-
-    def in_common(self, structure: Structure, c: int, other: tuple[int, int]) -> float:
-        """Share of the power of a candidate of a structure that another one, at a grid point, can make [1].
-
-        Beside what every structure has.
-        """
-        columns, mean = self._made(structure, c)
-        return 1.0 - share_apart(self.gram, columns, mean, [self.candidates[other[0]].columns[other[1]]]) ** 2
-
-    def _made(self, structure: Structure, c: int) -> tuple[Indices, Array]:
-        """Columns and coefficients of a candidate of a structure (k,)."""
-        own = self.estimate(structure)
-        columns = self.candidates[c].columns[dict(structure)[c]]
-        place = {int(k): value for k, value in zip(own.columns, own.mean, strict=True)}
-        return columns, np.array([place[int(k)] for k in columns])
-
-    @lazy
-    def groups(self) -> list[tuple[str, ...]]:
-        """Groups in which each candidate counts: its own, and what every motor has where it contains that."""
-        plain = {(each.kind, each.spot): each.group for each in self.candidates if each.group.startswith(EVERY_MOTOR)}
-        more = (
-            [plain[k] for kind in each.law.plainer if (k := (kind, each.spot)) in plain] for each in self.candidates
-        )
-        return [(each.group, *groups) for each, groups in zip(self.candidates, more, strict=True)]
-
     @lazy
     def contained(self) -> dict[int, tuple[int, ...]]:
         """The plainer laws at the same place that each candidate contains."""
@@ -215,7 +190,7 @@ class Space:
 
     def log_prior(self, structure: Structure) -> float:
         """Log prior of a structure; the points of a candidate's grid are equally likely."""
-        return self.log_places(structure) + sum(self._log_point(*each) for each in sorted(structure))
+        return self.places.log_prior(structure) + sum(self._log_point(*each) for each in sorted(structure))
 
     def _log_point(self, c: int, p: int) -> float:
         """Log prior of a grid point, and what it costs; remembered."""
@@ -224,28 +199,6 @@ class Space:
             likely = log_harmonic(candidate, p) - math.log(candidate.choices)
             self._points[c, p] = self.costs(c, p) + likely
         return self._points[c, p]
-
-    def log_places(self, structure: Structure) -> float:
-        """Log prior of which laws are where: what is believed of drives beforehand, whatever the data say."""
-        return self._log_places_of(frozenset(c for c, _ in structure))
-
-    @kept
-    def _log_places_of(self, candidates: frozenset[int]) -> float:
-        held = self.held(frozenset((c, 0) for c in candidates))
-        return log_places(Counter(group for group, _ in held), self.places)
-
-    def held(self, structure: Structure) -> list[tuple[str, object]]:
-        """Groups of which a structure has something, with the places where; two laws of one place count once there."""
-        there = ((group, self.place_in(group, c)) for c, _ in sorted(structure) for group in self.groups[c])
-        return list(dict.fromkeys(there))
-
-    def place_in(self, group: str, c: int) -> object:
-        """The place at which a candidate counts in a group: its joint and side, where several laws are of the group."""
-        return self.candidates[c].spot if group.startswith(EVERY_MOTOR) else c
-
-    def log_odds(self, c: int) -> float:
-        """Prior log odds that a candidate is there, and nothing else of its kind."""
-        return self.log_places(frozenset({(c, 0)}))
 
     def costs(self, c: int, p: int) -> float:
         """What a law that forgets the recorded torque costs."""

@@ -29,6 +29,7 @@ def beliefs(maker: ColumnMaker, effects: tuple[Effect, ...]) -> Belief:
     known: dict[tuple[object, ...], tuple[float, float]] = {}
 
     def known_belief(effect: Effect, name: str) -> tuple[float, float]:
+        """The prior of a parameter: see `Belief`."""
         nothing = effect.neutral.get(name)
         if nothing is None or not np.isfinite(nothing):
             return belief(maker, effect, name)
@@ -117,5 +118,5 @@ def standing_columns(
         names.append(name)
     most = max((d * s for d, s in zip(std[1:], size[1:], strict=True) if np.isfinite(d)), default=np.inf)
     std = [min(d, most / s if np.isinf(d) else d, UNKNOWN_WIDTH) for d, s in zip(std, size, strict=True)]
-    white, cost = maker.whiten(np.stack(parts).T), maker.sizes.log_jacobian(effect)
+    white, cost = maker.work.whiten(np.stack(parts).T), maker.sizes.log_jacobian(effect)
     return Column.of(white, maker.many, np.array(std), np.array(mean), np.array(size), cost, least), names

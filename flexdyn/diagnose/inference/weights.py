@@ -13,14 +13,13 @@ from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.expected import expected_data
 from flexdyn.diagnose.equations.noise import torque_noise
-from flexdyn.diagnose.hypothesis.fitted import Workspace
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.linear import NOT_FINITE
-from flexdyn.diagnose.hypothesis.workspace import Unweighted, weighed
+from flexdyn.diagnose.hypothesis.linear import require_finite
+from flexdyn.diagnose.hypothesis.unweighted import Unweighted
+from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
 from flexdyn.diagnose.inference.model_error import ModelError, Seen
 from flexdyn.diagnose.inference.whitening import Tempered
 from flexdyn.diagnose.parallel import SILENT
-from flexdyn.errors import SimulationError
 
 
 def quieter(recorded: SampleNoise, at: Equations, mask: Flags) -> SampleNoise:
@@ -32,32 +31,26 @@ def quieter(recorded: SampleNoise, at: Equations, mask: Flags) -> SampleNoise:
     return dataclasses.replace(recorded, tau=np.maximum(np.minimum(left, recorded.tau), 1e-12))
 
 
-def along_expected(
-    bare: Unweighted, work: Workspace, here: Hypothesis, at: Equations, seen: Seen
-) -> tuple[Unweighted, Workspace, Array]:
-    """Equations and weights with slopes along the motion that is expected, given what a hypothesis leaves.
+def along_expected(work: Workspace, here: Hypothesis, at: Equations) -> tuple[Workspace, Array]:
+    """The same weights with slopes along the motion that is expected, given what a hypothesis leaves.
 
     Only where slopes contain much noise; those of rigid arms have hardly any behind the filters.
 
     Args:
-        bare: equations of the model as given.
-        work: weights of the hypothesis' rows.
+        work: equations of the model as given, with weights of the hypothesis' rows.
         here: the hypothesis.
         at: its equations.
-        seen: rows that say something.
 
     Returns:
-        The equations, the weights, and the share of the rows' noise that the slopes still contain (equations,) [1]: a
-        residual that is s times as large as noise alone shows 1/s^2 of the noise.
+        The equations with their weights, and the share of the rows' noise that the slopes still contain (equations,)
+        [1]: a residual that is s times as large as noise alone shows 1/s^2 of the noise.
     """
     if not at.noisy:
-        return bare, work, np.ones(len(at.kinds))
-    scale = ModelError.of(work.white(at.residual), seen).scale
-    along = bare.equations.along(expected_data(at, work.noise, work.whiten, scale))
-    slopes = Unweighted.of(along, here.factors, along.of(here.model()))
-    near = dataclasses.replace(slopes, equations=bare.equations, along=along)
-    new = dataclasses.replace(work, slopes=near.numbers, unknown=near.offsets, along=along)
-    return near, new, 1.0 - 1.0 / scale**2
+        return work, np.ones(len(at.kinds))
+    scale = ModelError.of(work.white(at.residual), rows_of(work.bare)).scale
+    along = work.equations.along(expected_data(at, work.noise, work.whiten, scale))
+    near = work.bare.with_slopes_along(along, here.factors, along.of(here.model()))
+    return dataclasses.replace(work, bare=near), 1.0 - 1.0 / scale**2
 
 
 def expected(work: Workspace) -> float:
@@ -66,23 +59,13 @@ def expected(work: Workspace) -> float:
     return 1.0 if error is None else float((error.count / error.times).sum() / error.count.sum())
 
 
-def for_fit(
-    bare: Unweighted,
-    noise: SampleNoise,
-    mask: Flags,
-    seen: Seen,
-    there: Hypothesis,
-    error: ModelError | None = None,
-) -> Workspace:
+def for_fit(bare: Unweighted, there: Hypothesis, error: ModelError | None = None) -> Workspace:
     """Weights for the fit of a hypothesis: the sensors' noise and the model error that it leaves.
 
     The error of the first filter at corners of laws is left out: it would hide errors of a law that is still wrong.
 
     Args:
         bare: equations of the model as given.
-        noise: of the channels.
-        mask: rows that are not used (rows,).
-        seen: rows that say something.
         there: the hypothesis.
         error: model error that it will leave; None: what it leaves at these numbers.
 
@@ -90,24 +73,23 @@ def for_fit(
         SimulationError: its equations are not finite.
     """
     at = bare.equations.of(there.model())
-    bare = bare.with_offsets_of(at if bare.along is None else bare.along.of(there.model()))
+    bare = bare.with_offsets_of(bare.sloping(at))
     with SILENT():
-        plain = weighed(bare, noise, mask, at=at)
+        plain = weighed(bare, at)
         left = plain.white(at.residual)
-        if not np.isfinite(left @ left):
-            raise SimulationError(NOT_FINITE, reason="overflow")
-        error = error or ModelError.of(left, seen, about_mean=True)
+        require_finite(left)
+        error = error or ModelError.of(left, rows_of(bare), about_mean=True)
     if bare.along is None:  # the hypothesis has springs that the linearisation lacks
-        bare, plain, _ = along_expected(bare, plain, there, at, seen)
+        plain, _ = along_expected(plain, there, at)
     made = tempered(plain, error)
     if not at.noisy:
         return made
-    return dataclasses.replace(made, anew=lambda at: tempered(weighed(bare, noise, mask, at=at), error))
+    return dataclasses.replace(made, anew=lambda at: tempered(weighed(plain.bare, at), error))
 
 
-def error_of(plain: Workspace, residual: Array, seen: Seen) -> ModelError:
+def error_of(plain: Workspace, residual: Array) -> ModelError:
     """The model error in a residual (rows,), the encoders' offsets that fit it best taken off."""
-    return ModelError.of(plain.white(residual), seen, about_mean=True)
+    return ModelError.of(plain.white(residual), rows_of(plain.bare), about_mean=True)
 
 
 def tempered(plain: Workspace, error: ModelError) -> Workspace:
@@ -115,9 +97,9 @@ def tempered(plain: Workspace, error: ModelError) -> Workspace:
     return dataclasses.replace(plain, whiten=Tempered.of(plain.whiten, error))
 
 
-def rows_of(at: Equations, mask: Flags) -> Seen:
+def rows_of(bare: Unweighted) -> Seen:
     """Which rows of the equations say something."""
-    return Seen(~mask.reshape(-1, len(at.kinds)), at.counts)
+    return Seen(~bare.mask.reshape(-1, len(bare.equations.kinds)), bare.equations.counts)
 
 
 def filter_error(equations: Equations, here: Hypothesis) -> Array | None:

@@ -6,7 +6,8 @@ from dataclasses import asdict
 from typing import Any
 
 from flexdyn.diagnose.report.calibrated import estimate
-from flexdyn.diagnose.report.measures import JointError, RecordingSpan, SignalError, Statistics
+from flexdyn.diagnose.report.measures import JointError, SignalError, Statistics
+from flexdyn.diagnose.report.origin import RecordingSpan
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import model_sentence, stopped_sentence
 from flexdyn.diagnose.report.suspects import Considered, Finding, Number, Suspect

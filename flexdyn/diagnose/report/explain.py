@@ -8,9 +8,10 @@ from typing import Any
 
 from flexdyn.checks import check_known
 from flexdyn.diagnose.constants import ESTABLISHED
+from flexdyn.diagnose.report.ranked import ranks
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.report.sentences import filled_template
-from flexdyn.diagnose.report.suspects import Suspect, ranks
+from flexdyn.diagnose.report.suspects import Suspect
 from flexdyn.diagnose.report.words import is_number, names_number
 from flexdyn.effects import SensorEffect, catalogue
 from flexdyn.errors import InputError, did_you_mean

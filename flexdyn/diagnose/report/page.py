@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from flexdyn.diagnose.constants import IN_TOLERANCE
-from flexdyn.diagnose.report import calibrated, digits, pictures, sentences, suspects, words
+from flexdyn.diagnose.report import calibrated, digits, pictures, ranked, sentences, suspects, words
 from flexdyn.diagnose.report.document import CONSIDERED
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.effects import catalogue
@@ -19,7 +19,7 @@ from flexdyn.io import html
 
 KNOWN = {
     name: value
-    for module in (calibrated, digits, pictures, sentences, suspects, words)
+    for module in (calibrated, digits, pictures, ranked, sentences, suspects, words)
     for name, value in vars(module).items()
     if not name.startswith("_")
 }

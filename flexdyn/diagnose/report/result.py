@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from flexdyn.diagnose.report import measures
+from flexdyn.diagnose.report import measures, origin
 from flexdyn.diagnose.report.suspects import Considered, Finding, Structure
 from flexdyn.diagnose.report.trace import ForceLoop, ResidualTrace, Trajectory
 from flexdyn.io.notebook import Public
@@ -74,7 +74,7 @@ class Diagnosis(Public):
     where: tuple[measures.ResidualPlace, ...] = ()
     left: tuple[measures.Left, ...] = ()
     structures: tuple[Structure, ...] = ()
-    data: tuple[measures.RecordingSpan, ...] = ()
+    data: tuple[origin.RecordingSpan, ...] = ()
     notes: tuple[str, ...] = ()
     seconds: float = 0.0
     residuals: tuple[ResidualTrace, ...] = ()
@@ -83,7 +83,7 @@ class Diagnosis(Public):
     stopped: tuple[str, ...] = ()
     trajectories: tuple[Trajectory, ...] = ()
     stopped_at: str = ""
-    record: measures.Record = field(default_factory=measures.record, compare=False)
+    record: origin.Record = field(default_factory=origin.record, compare=False)
     fit: measures.Statistics | None = None
     shares: measures.Shares | None = None
     loops: tuple[ForceLoop, ...] = ()

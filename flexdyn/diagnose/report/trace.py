@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.report.measures import Role
+from flexdyn.diagnose.report.origin import Role
 from flexdyn.io.locked import Locked
 
 NARROW = 500

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from flexdyn.diagnose.report.digits import factor_text, probability_text, rounded
-from flexdyn.diagnose.report.measures import RecordingSpan
+from flexdyn.diagnose.report.origin import RecordingSpan
 from flexdyn.diagnose.report.suspects import Finding, Suspect
 from flexdyn.effects import registered
 from flexdyn.effects.model_error import effect_place

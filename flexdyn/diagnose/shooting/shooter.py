@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,14 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexdyn import _core
-from flexdyn.analysis.analysed_model import command_delays, without
+from flexdyn.analysis.analysed_model import without
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import check
 from flexdyn.diagnose.shooting.sensing import early, of_windows, sensors
+from flexdyn.diagnose.shooting.window_torques import held_signal, torque_shifts, torques_of_windows
 from flexdyn.diagnose.shooting.windows import PerWindow, Windows
 from flexdyn.effects import MemoryEffect
-from flexdyn.effects.channels import lag, measure, recovered
+from flexdyn.effects.channels import lag, measure
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.simulation.at_time import at_time, is_timed
 from flexdyn.simulation.inputs_and_signals import SIGNALS
@@ -80,8 +80,8 @@ class Shooter:
         models = [at_time(self.model, begin) for begin in of_run.tolist()] if timed else [self.model]
         plants = [build_plant(each) for each in models]
         self.plants = plants if timed else plants * count
-        self._held = _torques_of_windows(model.resolved(), windows, extra)
-        self.signals = [_held_signal(*each) for each in self._held]
+        self._held = torques_of_windows(model.resolved(), windows, extra)
+        self.signals = [held_signal(*each) for each in self._held]
 
     @property
     def size(self) -> int:
@@ -168,7 +168,7 @@ class Shooter:
     @property
     def torques_known(self) -> Flags:
         """Windows that need no torques from before the recording (windows,)."""
-        return np.asarray(self.begins >= _shifts(self.given.resolved()).max())
+        return np.asarray(self.begins >= torque_shifts(self.given.resolved()).max())
 
     def reported(self, motion: SimulatedWindows) -> Array:
         """The readings of the model's sensors, without their lag (windows, rows, channels)."""
@@ -207,52 +207,3 @@ def _simulated(jobs: Sequence[_core.Job], q: Array, *, python: bool) -> NDArray[
         _core.simulate_many(jobs, len(os.sched_getaffinity(0)), None)
     finite = np.asarray(np.isfinite(q).all(axis=2))
     return np.where(finite.all(axis=1), np.int64(q.shape[1]), finite.argmin(axis=1)).astype(np.int64)
-
-
-def _torques_of_windows(model: FlexibleJointModel, windows: Windows, extra: Array | None) -> list[tuple[Array, Array]]:
-    """Breaks from the window's start [s] and the torques held between them, of every window."""
-    names, shifts = model.joint_names, _shifts(model)
-    effects = [sensors(model, f"tau.{joint}") for joint in names]
-    tables: list[Array] = []
-    for recording in windows.recordings:
-        columns = np.zeros((len(recording), len(names)))
-        for j, (joint, each) in enumerate(zip(names, effects, strict=True)):
-            if recording.has("tau", joint):
-                columns[:, j] = recording[f"tau.{joint}"]
-            columns[:, j] = recovered(each, columns[:, j], recording.t)
-        tables.append(columns)
-    found = []
-    reach = math.ceil(np.abs(shifts).max() / windows.period) + 2
-    for w, (k, row) in enumerate(windows.places):
-        first = max(0, row - reach)
-        near = slice(first, row + windows.rows + reach)
-        tau = tables[k][near].copy()
-        if extra is not None:
-            tau[row - first : row - first + windows.rows] += extra[w]
-        found.append(_held(windows.recordings[k].t[near], tau, shifts, row - first, windows.rows))
-    return found
-
-
-def _shifts(model: FlexibleJointModel) -> Array:
-    """Delay between recorded and acting torques (n,) [s]."""
-    lags = [lag(sensors(model, f"tau.{joint}")) for joint in model.joint_names]
-    return np.asarray(command_delays(model) - np.array(lags))
-
-
-def _held(t: Array, tau: Array, shifts: Array, row: int, rows: int) -> tuple[Array, Array]:
-    """The torques that act within one window, which begins at a row; before the first one, its value is used."""
-    if not shifts.any():
-        return t[row : row + rows] - t[row], tau[row : row + rows]
-    begin, end = t[row], t[row + rows - 1]
-    late = np.concatenate([t + shift for shift in np.unique(shifts)])
-    breaks = np.unique(np.concatenate([[begin, end], late[(late > begin + 1e-9) & (late < end - 1e-9)]]))
-    breaks = breaks[np.concatenate([[True], np.diff(breaks) > 1e-9])]
-    values = np.empty((len(breaks), len(shifts)))
-    for j, shift in enumerate(shifts):
-        values[:, j] = tau[np.maximum(np.searchsorted(t, breaks - shift + 1e-9, side="right") - 1, 0), j]
-    return breaks - begin, values
-
-
-def _held_signal(breaks: Array, values: Array) -> _core.Signal:
-    coef = np.ascontiguousarray(values[:-1, None, :])
-    return _core.signal(np.ascontiguousarray(breaks), coef, np.ascontiguousarray(values[-1]))

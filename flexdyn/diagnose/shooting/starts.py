@@ -2,37 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexdyn.analysis.jacobian import dry_velocities
 from flexdyn.arrays import Array, Flags
-from flexdyn.diagnose.data.filters import Filters
-from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.data.sensors import true_channels
-from flexdyn.diagnose.equations.motion import smoothed
-from flexdyn.diagnose.shooting.sensing import true_samples
+from flexdyn.diagnose.shooting.internal_states import internal_states
+from flexdyn.diagnose.shooting.local_cubics import UNMEASURED, channel_at_starts
 from flexdyn.diagnose.shooting.shooter import Shooter
-from flexdyn.effects import DeflectionEffect
 from flexdyn.simulation.link_side import LinkSide
 
-REACHES = (0.04, 0.02, 0.01, 0.005)
-"""Half widths of the local cubic [s]; the widest one whose error is only noise is used."""
-LEAST_REST_TIME = 0.02
-"""A joint rests if it stays within its noise for this time before and after [s]."""
-INTERNAL_STATE_WIDTH = 0.3
-"""Standard deviation of an internal state at a window's start, relative to its reach or the joint's motion, if less."""
 DEFLECTION_SHIFTS = (-0.1, 0.1, -0.3, 0.3, -1.0, 1.0)
 """Changes of an unmeasured deflection, in its standard deviations, that are tried where a window strays: while friction
 holds the measured side, its linear response says nothing of the deflection."""
 START_BOUND_WIDTH = 5.0
 """The width of a first state's prior is this multiple of the smoothing error [1]: the window itself determines it."""
-UNMEASURED = (0.0, 0.0, 0.0, 0.1, 0.1, 0.0)
-"""Value, two derivatives, errors of value and rate, and whether it rests, where a channel was not recorded."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,11 +48,11 @@ def window_starts(shooter: Shooter) -> Starts:
     0, to the last bit. Internal states follow the measured path up to the start.
     """
     windows, model = shooter.windows, shooter.model
-    found = {name: _at_starts(shooter, name) for name in windows.channels}
+    found = {name: channel_at_starts(shooter, name) for name in windows.channels}
     nothing = np.tile(UNMEASURED, (len(windows), 1))
 
     def side(own: str, other: str) -> Array:
-        """Columns of `_at_starts` of one side of all joints (6, windows, n): as measured there, else on the other."""
+        """Columns of `channel_at_starts` of a side of all joints (6, windows, n): measured there, or on the other."""
         both = ([f"{signal}.{joint}" for signal in (own, other)] for joint in model.joint_names)
         tables = [next((found[name] for name in names if name in found), nothing) for names in both]
         return np.array(tables).transpose(2, 1, 0).copy()
@@ -95,7 +81,7 @@ def window_starts(shooter: Shooter) -> Starts:
     x = np.hstack([q, theta[:, e], v, omega[:, e]])
     std = START_BOUND_WIDTH * np.hstack([q_std, theta_std[:, e], v_std, omega_std[:, e]])
     unseen = _stick(shooter, x, std, rests)
-    z, z_std = _memories(shooter)
+    z, z_std = internal_states(shooter)
     first = np.hstack([x, z])
     stuck = first.copy()
     stuck[:, unseen] = 0.0
@@ -129,62 +115,6 @@ def _shifted(x: Array, place: int, by: Array) -> Array:
     x = x.copy()
     x[:, place] += by
     return x
-
-
-def _at_starts(shooter: Shooter, name: str) -> Array:
-    """One channel at every start (windows, 6): value, two derivatives, errors of value and rate, whether it rests."""
-    windows = shooter.windows
-    noise = windows.sensor_noise[windows.channels.index(name)]
-    table = np.tile(UNMEASURED, (len(windows), 1))
-    for k, recording in enumerate(windows.recordings):
-        mine = windows.places[:, 0] == k
-        if mine.any() and name in recording:
-            rows, (t, x) = windows.places[mine, 1], true_samples(shooter.model, recording, name)
-            table[mine] = _cubics(t, x, recording.t[rows], rows, noise, windows.period)
-    return table
-
-
-def _cubics(t: Array, x: Array, at: Array, rows: NDArray[np.int64], noise: float, period: float) -> Array:
-    """Value, two derivatives, their errors and rest (starts, 6), by the widest cubic that leaves only noise."""
-    best = np.full((len(rows), 6), np.nan)
-    open_ = np.ones(len(rows), bool)
-    for reach in REACHES:
-        half = max(4, round(reach / period))
-        near = rows[:, None] + np.arange(-half, half + 1)
-        inside = (near >= 0) & (near < len(t))
-        near = np.clip(near, 0, len(t) - 1)
-        u = (t[near] - at[:, None]) / (half * period)
-        inside &= np.abs(u) < 1.5  # not across a gap
-        inside |= np.arange(2 * half + 1) == half
-        weight = inside.astype(float)
-        y = x[near]
-        basis = weight[:, :, None] * u[:, :, None] ** np.arange(4)
-        normal = basis.transpose(0, 2, 1) @ basis + 1e-9 * np.eye(4)
-        inverse = np.linalg.inv(normal)
-        first = y[:, half]
-        fit = (inverse @ (basis.transpose(0, 2, 1) @ (weight * (y - first[:, None]))[:, :, None]))[:, :, 0]
-        left = weight * (y - first[:, None]) - (basis @ fit[:, :, None])[:, :, 0]
-        size = np.sqrt((left**2).sum(1) / np.maximum(weight.sum(1) - 4, 1.0))
-        scale = 1.0 / (half * period)
-        error = np.maximum(size, noise)
-        value_std, rate_std = (error * np.sqrt(inverse[:, i, i]) for i in (0, 1))
-        row = np.stack([
-            first + fit[:, 0], fit[:, 1] * scale, 2.0 * fit[:, 2] * scale**2, value_std, rate_std * scale,
-            np.zeros(len(rows)),
-        ], axis=1)  # fmt: skip
-        best[open_] = row[open_]
-        open_ &= size > 1.3 * noise
-        if not open_.any():
-            break
-    best[:, 5] = _resting(x, rows, max(3, round(LEAST_REST_TIME / period)), noise)
-    return best
-
-
-def _resting(x: Array, rows: NDArray[np.int64], half: int, noise: float) -> Array:
-    y = x[np.clip(rows[:, None] + np.arange(-half, half + 1), 0, len(x) - 1)]
-    trend = np.abs(y[:, : half + 1].mean(1) - y[:, half:].mean(1))
-    still = (y.max(1) - y.min(1) < 8.0 * noise) & (trend < 5.0 * noise / math.sqrt(half) + 1.5 * noise)
-    return np.asarray(still, dtype=float)
 
 
 def _wound_at_starts(shooter: Shooter, q: Array, v: Array, bend: Array) -> Array:
@@ -229,66 +159,3 @@ def _stick(shooter: Shooter, x: Array, std: Array, rests: Flags) -> list[int]:
         else:
             unseen.append(half + place)
     return unseen
-
-
-def _memories(shooter: Shooter) -> tuple[Array, Array]:
-    """Internal states at the starts, along the measured motion since each recording began."""
-    windows = shooter.windows
-    z = np.zeros((len(windows), len(shooter.memory)))
-    std = np.zeros_like(z)
-    for i, effect in enumerate(shooter.memory):
-        std[:, i] = INTERNAL_STATE_WIDTH * effect.reach
-        for k in range(len(windows.recordings)):
-            mine = windows.places[:, 0] == k
-            path = _path(shooter, effect, k)
-            if path is None or not mine.any():
-                continue
-            rows = windows.places[mine, 1]
-            z[mine, i] = effect.states_along(path[: rows.max() + 1])[rows]
-            std[mine, i] = INTERNAL_STATE_WIDTH * min(effect.reach, float(np.ptp(path))) * np.where(rows == 0, 3.0, 1.0)
-    return z, std
-
-
-def _computed_deflection(shooter: Shooter, joint: str, k: int) -> Array | None:
-    """Deflection of a joint with one encoder along a recording (samples,); None if the recording is too short."""
-    model, recording = shooter.given.resolved(), shooter.windows.recordings[k]
-    data = true_channels(measured(model, recording), shooter.given)
-    first = Filters.of_rate(data.dt).first
-    if len(data.t) <= 4 * first.half:
-        return None
-    along = smoothed(model, LinkSide(model), data, first)
-    delta = along.delta[:, model.joint_names.index(joint)]
-    return np.asarray(np.interp(recording.t - recording.t[0], along.t, delta))
-
-
-def _path(shooter: Shooter, effect: object, k: int) -> Array | None:
-    """The smoothed input of an effect with memory: position on its side, or deflection; None if it is unmeasured.
-
-    With one encoder the deflection is that at which the transmission carries what the equations say.
-    """
-    model, recording = shooter.model, shooter.windows.recordings[k]
-    joint = str(getattr(effect, "joint", ""))
-
-    def position(signal: str) -> Array | None:
-        name = f"{signal}.{joint}"
-        if name not in recording:
-            return None
-        return np.interp(recording.t, *true_samples(model, recording, name))
-
-    q, theta = position("q"), position("theta")
-    path: Array | None
-    if getattr(effect, "side", "") == "transmission":
-        path = theta - q if q is not None and theta is not None else _computed_deflection(shooter, joint, k)
-        rotor = theta if theta is not None else q
-        if path is not None and rotor is not None:
-            bent = [e for e in model.all_effects if isinstance(e, DeflectionEffect) and e.joint == joint]
-            for each in bent:
-                path = path if each.is_neutral else each.deflection(path, rotor)
-    else:
-        both = (q, theta) if getattr(effect, "side", "") == "link" else (theta, q)
-        path = next((each for each in both if each is not None), None)  # on its own side, else on the other
-    if path is None:  # neither was measured
-        return None
-    width = max(1, round(0.004 / shooter.windows.period)) * 2 + 1
-    padded = np.pad(path, width // 2, mode="edge")
-    return np.convolve(padded, np.full(width, 1.0 / width), "valid")

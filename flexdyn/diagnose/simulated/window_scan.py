@@ -14,8 +14,8 @@ import numpy as np
 from scipy.linalg import cho_solve
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.inference.gram import lower_factor
-from flexdyn.diagnose.inference.search import Scan
+from flexdyn.diagnose.inference.evidence import lower_factor
+from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_model import waits
 from flexdyn.diagnose.progress import check
