@@ -100,11 +100,15 @@ def test_a_column_is_what_the_effect_changes(effect: fd.effects.Effect, signals:
     [
         fd.effects.SpringHysteresis("elbow", stiffness=600.0, width=0.004),
         fd.effects.HardeningSpring("elbow", cubic=5e7),
+        fd.effects.LoadDependentFriction("elbow", side="motor", coefficient=0.2),
     ],
     ids=lambda effect: str(effect.name),
 )
 def test_an_encoders_error_bends_every_spring(spring: fd.effects.Effect, channel: str) -> None:
-    """The column of an eccentricity is what it changes where a transmission has another law than its stiffness."""
+    """The column of an eccentricity is what it changes where a transmission has another law than its stiffness.
+
+    Friction that takes a share of the spring's torque changes with it.
+    """
     plain = equations(Levels(1e-6, 1e-3), 0, BOTH)
     at = plain.of(plain.model.replace(effects=[*plain.model.effects, spring]))
     wrong = fd.effects.EncoderEccentricity(channel, amplitude=1e-5, harmonic=2.0, phase=0.3)

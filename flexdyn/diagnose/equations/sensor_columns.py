@@ -9,7 +9,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import true_channel
-from flexdyn.diagnose.equations.computed_positions import acting_on
+from flexdyn.diagnose.equations.computed_positions import acting_on, lost_share
 from flexdyn.diagnose.equations.equations import Equations, Torques
 from flexdyn.diagnose.equations.held_torque import centred
 from flexdyn.diagnose.equations.motion import SmoothedMotion
@@ -21,7 +21,8 @@ from flexdyn.effects.channels import by_channel
 def of_sensor(equations: Equations, effect: SensorEffect, instead: SensorEffect | None = None) -> Array:
     """First-order change of the rows (rows,) by the error that a sensor effect adds: the true channel is smaller by it.
 
-    A position that is computed from the other encoder changes with it. The change of friction is neglected.
+    A position that is computed from the other encoder changes with it. So does friction that takes a share of the load;
+    the change of other friction is neglected.
 
     Args:
         equations: of the model.
@@ -107,7 +108,7 @@ def _rows_of_encoder_error(equations: Equations, along: SmoothedMotion, signal: 
     if model.elastic[j]:
         rotor = -model.rotor_inertia[j] * d2 if signal == "theta" or alone else 0.0
         link, motor = (0.0 * d0, 0.0 * d0) if alone else _spring_change(equations, along, signal, j, d0, d1)
-        rows += combined(along, rotor - motor, link, -link, only=j)
+        rows += combined(along, rotor - motor - _share_lost(equations, along, j) * link, link, -link, only=j)
     elif not alone:
         wound = np.zeros_like(along.q)
         wound[:, j] = sign * d0
@@ -126,6 +127,12 @@ def _spring_change(
     moved = spring_torque(equations.true, acting_on(equations.true, j), dataclasses.replace(along, **changed), j)
     link, motor = (moved - equations.spring(along, j)).T.copy()
     return link, motor
+
+
+def _share_lost(equations: Equations, along: SmoothedMotion, j: int) -> Array:
+    """Share of the spring's torque that friction of the motor takes (samples,) [1]."""
+    carried = equations.spring(along, j)[:, 0]
+    return lost_share(equations.true, j, carried, along.theta[:, j], along.omega[:, j], along.t)
 
 
 def _smoothed(equations: Equations, along: SmoothedMotion, x: Array, order: int) -> Array:

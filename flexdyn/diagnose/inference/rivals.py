@@ -62,7 +62,19 @@ def _nonlinear_numbers(candidate: Candidate, p: int) -> Point:
 
 
 def _grow_alike(space: Space, mine: Candidate, point: Point) -> None:
-    """Give the same law at other places a grid point."""
+    """Give the same law at other places, and other waves over the same joint's turn, a grid point.
+
+    Of a wave that stands, no residual's spectrum has a peak: another one at its harmonic is on no grid.
+    """
     for c, other in enumerate(space.candidates):
-        if point and other is not mine and other.kind == mine.kind and other.stands is None:
+        if point and other is not mine and other.stands is None and _has_same_numbers(mine, other):
             space.grow(c, point)
+
+
+def _has_same_numbers(one: Candidate, other: Candidate) -> bool:
+    """Whether nonlinear parameters of one candidate may be those of another one."""
+    if other.kind == one.kind:
+        return True
+    mine, its = one.proposal, other.proposal
+    waves = one.law.cycles and other.law.cycles
+    return bool(waves and mine and its and mine.joint == its.joint and mine.axes == its.axes)
