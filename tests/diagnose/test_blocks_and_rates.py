@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import cache
 from pathlib import Path
 
@@ -16,8 +15,8 @@ from flexdyn.diagnose.decision.split import checked_blocks, parts, without_block
 from flexdyn.errors import InputError
 from tests.diagnose import slides
 
-DRAG, LEVEL = 9.0, 4.0
-"""Viscous and dry friction of the sliding mass [N s/m, N]."""
+DRAG = 9.0
+"""Viscous friction of the sliding mass [N s/m]."""
 T = np.arange(1001) / 100.0
 REC = fd.Recording(T, {"q.elbow": np.sin(T)}, name="log")
 
@@ -151,20 +150,6 @@ def test_fast_recordings_are_decimated_and_it_is_said() -> None:
     assert sentence.startswith(
         "swing was recorded at 7000 Hz and is used at 1000 Hz: its positions through a symmetric"
     )
-
-
-@pytest.mark.parametrize("factor", [1, 5, 8])
-def test_slower_recordings_have_the_same_names(tmp_path: Path, factor: int) -> None:
-    """Five reversals in two seconds, at 500, 100 and 62.5 Hz: rows are left out only as far as the filters reach."""
-    t = np.arange(round(6.0 * slides.RATE)) / slides.RATE
-    force = 30.0 * np.sin(7.1 * t + 0.3) + 22.0 * np.sin(12.3 * t) + 14.0 * np.sin(19.0 * t + 1.0)
-    whole = slides.pushed(t, force, lambda given, _, v: given - DRAG * v - LEVEL * math.tanh(v / 1e-3))
-    seen = whole if factor == 1 else whole.decimate(factor)
-    diagnosis = fd.diagnose(slides.model(tmp_path), seen, progress=False)
-    found = {effect: values for effect, values, _ in slides.named(diagnosis)}
-    assert set(found) == {"viscous_friction", "coulomb_friction"}
-    assert found["viscous_friction"]["coefficient"] == pytest.approx(DRAG, rel=0.01)
-    assert found["coulomb_friction"]["level"] == pytest.approx(LEVEL, rel=0.02)
 
 
 def test_advice_on_slow_recordings() -> None:

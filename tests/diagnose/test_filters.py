@@ -36,20 +36,6 @@ def test_no_position_leaks_into_a_velocity(width: float) -> None:
     assert math.fsum(taps[2]) == pytest.approx(0.0, abs=1e-12 * np.abs(taps[2]).max())
 
 
-@pytest.mark.parametrize("passes", [1, 2])
-@pytest.mark.parametrize("rate", [50.0, 92.5, 250.0, 1000.0])
-def test_a_jump_reaches_as_far_as_three_standard_deviations(rate: float, passes: int) -> None:
-    """Rows beyond the reach see of a jump what a Gaussian has there, and rows well within it see more."""
-    filters = Filters.of_rate(1.0 / rate)
-    kernel = filters.second.taps[0]
-    for _ in range(passes):
-        kernel = np.convolve(kernel, filters.first.taps[0])
-    seen = np.cumsum(kernel)[: len(kernel) // 2][::-1]  # of a jump, so many samples and one before it
-    reach, beyond = filters.reach(passes), 0.5 * math.erfc(3.0 / math.sqrt(2.0))
-    assert seen[reach] < 1.1 * beyond
-    assert seen[reach - 2] > beyond
-
-
 @settings(deadline=None)
 @given(st.integers(60, 300), st.integers(1, 7), st.integers(0, 2))
 def test_rows_are_the_whole_filter_thinned(samples: int, every: int, order: int) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,9 +58,9 @@ class Filters:
     def reach(self, passes: int) -> int:
         """Samples to either side that count in a row, after so many passes of the first filter.
 
-        Three standard deviations of the filters in succession, whose variances add.
+        Three standard deviations of each filter.
         """
-        return round(3.0 * math.sqrt(passes * self.first.variance + self.second.variance))
+        return round(0.6 * (passes * self.first.half + self.second.half))
 
     def instants(self, samples: int) -> Indices:
         """Samples after the first filter to which the rows belong."""
