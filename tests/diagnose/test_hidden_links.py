@@ -17,7 +17,7 @@ from flexdyn.diagnose.data.measured import Measured, measured
 from flexdyn.diagnose.equations.covariance import whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.response import LinkResponse
-from flexdyn.diagnose.hypothesis.prepared import MOST_SIMULATED, prepared, recorded_noise
+from flexdyn.diagnose.hypothesis.prepared import MOST_SIMULATED, chosen_again, prepared, recorded_noise
 from flexdyn.diagnose.hypothesis.unweighted import Unweighted
 from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
 from flexdyn.model.uncertain_parameters import file_numbers
@@ -86,6 +86,20 @@ def test_where_simulated_links_are_farther_off_they_follow_their_load() -> None:
     model, data = _recorded(FINE)
     bare, _ = prepared(model, (data,))
     assert bare.equations.quasi_static
+
+
+def test_an_effect_that_was_found_chooses_anew() -> None:
+    """An eccentric encoder makes simulated links useless at the file's numbers; with it they leave noise again."""
+    model, data = _recorded(FINE, stop=round(4.0 * RATE))
+    disc = fd.effects.EncoderEccentricity("theta.shoulder", amplitude=2e-3, harmonic=30.0, phase=0.4)
+    theta = data.theta.copy()
+    theta[:, 0] += disc.amplitude * np.sin(disc.harmonic * theta[:, 0] + disc.phase)
+    bare, start = prepared(model, (dataclasses.replace(data, theta=theta),))
+    assert bare.equations.quasi_static
+    assert chosen_again(bare, start) is bare
+    again = chosen_again(bare, dataclasses.replace(start, effects=(disc,)))
+    assert again.equations.simulated
+    assert not again.equations.quasi_static
 
 
 def test_links_of_a_long_record_follow_their_load() -> None:
