@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,11 +12,24 @@ import pytest
 import flexdyn as fd
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.decision.last_fit import no_stiffer_than_seen
 from flexdyn.diagnose.equations import columns
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.prepared import prepared
+from flexdyn.diagnose.inference.weights import for_fit
 from flexdyn.effects import JointElasticity
 from tests.arms import two_link
-from tests.diagnose.truths import ARM, JOINTS, Levels, two_link_recording
+from tests.diagnose.truths import (
+    ARM,
+    JOINTS,
+    RATE,
+    Levels,
+    slider_model,
+    slider_recording,
+    sliding,
+    two_link_recording,
+)
 
 BOTH, LINK, MOTOR = ("q", "theta"), ("q",), ("theta",)
 SIGNALS = pytest.mark.parametrize("signals", [BOTH, LINK, MOTOR], ids=["both encoders", "link", "motor"])
@@ -72,3 +86,29 @@ def test_a_rigid_joint_with_both_encoders_says_that_they_agree() -> None:
         left.append(at.residual.reshape(-1, 4))
     np.testing.assert_allclose(left[1][:, [1, 3]] - [0.0, 1e-3], 0.0, atol=1e-12)
     np.testing.assert_allclose(left[1][:, [0, 2]], left[0][:, [0, 2]], atol=1e-6)
+
+
+@pytest.mark.parametrize(("stiffness", "kept"), [(1e5, True), (1e9, False)])
+def test_a_spring_that_no_row_sees_is_no_stiffer_than_they_could_tell(
+    tmp_path: Path, stiffness: float, kept: bool
+) -> None:
+    """A mass on a rigid joint: a stiffer spring has the compliance that is as large as its standard deviation."""
+    t, rotor, levels = np.arange(6000) / RATE, 1.0, Levels(position=1e-6, torque=0.02)
+    force = 2.0 * np.sin(2 * np.pi * 0.9 * t) + np.sin(2 * np.pi * 2.3 * t + 1.0)
+    x, _ = sliding(force, 1.0 / RATE, 2.5 + rotor, 0.0)
+    seen = slider_recording(x, force, RATE, levels, 0)
+    units = {"units": {"theta.lift": "m", "tau.lift": "N"}}
+    log = fd.Recording(seen.t, {"theta.lift": seen["q.lift"], "tau.lift": seen["tau.lift"]}, meta=units)
+    model = slider_model(tmp_path).replace(joints={"lift": {"rotor_inertia": rotor}})
+    bare, start = prepared(model, (measured(model, log),))
+    here = dataclasses.replace(start, effects=(JointElasticity("lift", stiffness=stiffness),))
+    made = fit(here, for_fit(bare, here), steps=1)
+    (spread,) = (sigma for (_, name), sigma in made.std().items() if name == "stiffness")
+    (found,) = (
+        each.stiffness for each in no_stiffer_than_seen(made).hypothesis.effects if isinstance(each, JointElasticity)
+    )
+    if kept:
+        assert found == stiffness
+    else:
+        assert found == pytest.approx(stiffness**2 / spread)
+        assert found < 0.01 * stiffness
