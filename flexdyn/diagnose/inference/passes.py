@@ -123,7 +123,8 @@ def posterior(bare: Unweighted, start: Hypothesis, *, chosen: bool = False) -> P
         if settled or k == MOST_PASSES - 1:
             break
         strong = best if bare.equations.simulated else _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1))
-        here = dataclasses.replace(near.best_fitted(strong, PASS_STEPS).hypothesis, fits_cycles=True)
+        made = likeliest_shapes(space, strong, near.best_fitted(strong, PASS_STEPS))
+        here = dataclasses.replace(made.hypothesis, fits_cycles=True)
         if k == 0 and not chosen and (other := chosen_again(bare, here)) is not bare:
             return posterior(other, start, chosen=True)
         visited.append((space.identities(strong), here))
