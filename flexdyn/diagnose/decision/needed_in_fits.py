@@ -14,6 +14,7 @@ from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.posterior_of_fit import carried_on, fit_if_likely, log_posterior
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_model import effect_of
+from flexdyn.model.uncertain_parameters import FileNumber
 
 
 def needed_in_fits(found: Posterior) -> Posterior:
@@ -21,8 +22,9 @@ def needed_in_fits(found: Posterior) -> Posterior:
 
     The linear equations may promise much for a candidate that takes up the error of another one's linearisation. A fit
     without it then leaves as little. The candidate without which a fit is most likely is left out, and again, until all
-    are missed. What the equations promise for it is not believed in other structures either. Every structure that was
-    tried keeps its odds: of two candidates of which a fit needs one, "A or B".
+    are missed. A fit that moves numbers of the file beyond their tolerance instead does not count: they imitate the
+    candidate. What the equations promise for one that is left out is not believed in other structures either. Every
+    structure that was tried keeps its odds: of two candidates of which a fit needs one, "A or B".
 
     Args:
         found: the posterior, whose best structure is fitted to the equations.
@@ -40,6 +42,8 @@ def needed_in_fits(found: Posterior) -> Posterior:
         for each in doubtful:  # one fit at a time is kept: they are large
             start = _hypothesis_without(made.hypothesis, space.candidates[each[0]])
             values[each], other = fit_if_likely(space, best - {each}, start, made, here - OCCAM_WINDOW)
+            if other is not None and _beyond(other.hypothesis) - _beyond(made.hypothesis):
+                values[each], other = -math.inf, None  # numbers of the file imitate the candidate
             if values[each] >= values[least] and other is not None:
                 least, rest = each, other
         odds += [(best - {x}, whole, math.exp(min(value - here, LARGEST_LOG_ODDS))) for x, value in values.items()]
@@ -49,6 +53,12 @@ def needed_in_fits(found: Posterior) -> Posterior:
         best, made = best - {least}, rest
         doubtful = [each for each in doubtful if each != least and values[each] > here - OCCAM_WINDOW]
     return dataclasses.replace(found, best=best, fitted=made, by_fits=tuple(odds), left_out=left_out)
+
+
+def _beyond(here: Hypothesis) -> set[FileNumber]:
+    """Numbers of the file that a hypothesis has beyond their tolerance."""
+    held = here.tolerated().factors
+    return {number for number, factor in here.factors.items() if held[number] != factor}
 
 
 def _hypothesis_without(here: Hypothesis, candidate: Candidate) -> Hypothesis:
