@@ -73,7 +73,12 @@ class OnFit(OnData):
 
     @property
     def farther(self) -> bool:
-        """Whether the corrected model's gap is more than that of the numbers alone."""
+        """Whether the corrected model is farther off than the numbers alone, in forces, or in all windows but a few.
+
+        Noise decides when a joint sticks: a single window of a right model may be far more off than all others.
+        """
+        if self.shots is not None:
+            return self.shots.after.left > self.shots.calibrated.left
         return self.gap is not None and self.gap.after > self.gap.calibrated
 
     def calibration_alone(self, found: Corrected) -> tuple[Corrected, OnFit]:
