@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import Annotated
 
@@ -77,8 +78,9 @@ def play(
     if html is not None:
         show(f"{html}: {html.stat().st_size / 1e6:.1f} MB, opens in any browser, offline too")
         return
-    show(f"{run} at {playback.url} (Ctrl-C ends)")
-    playback.wait()
+    with contextlib.suppress(KeyboardInterrupt), playback:  # Ctrl-C may come as soon as the address is read
+        show(f"{run} at {playback.url} (Ctrl-C ends)")
+        playback.wait()
     note("stopped")
 
 
