@@ -56,9 +56,8 @@ def needed_in_fits(found: Posterior) -> Posterior:
 
 
 def _beyond(here: Hypothesis) -> set[FileNumber]:
-    """Numbers of the file that a hypothesis has beyond their tolerance."""
-    held = here.tolerated().factors
-    return {number for number, factor in here.factors.items() if held[number] != factor}
+    """Numbers of the file that a hypothesis has beyond their tolerance, though it does not free them."""
+    return {number for number in here.factors if number not in here.freed and here.is_beyond(number)}
 
 
 def _hypothesis_without(here: Hypothesis, candidate: Candidate) -> Hypothesis:
