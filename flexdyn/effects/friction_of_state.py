@@ -36,6 +36,7 @@ class PositionDependentFriction(WaveEffect, JointEffect):
     shown = {"amplitude": 0.5, "harmonic": 2.0, "phase": 0.0}
     linear_bounds = (-math.inf, -math.inf, -math.inf)
     small_size = 1.0
+    with_direction = True
     plainer = ("coulomb_friction",)  # not contained: friction that varies by less than its mean is both laws
 
     amplitude: float = parameter("N m", lower=0.0)

@@ -22,6 +22,9 @@ class WaveEffect(Effect, abstract=True):
     """``amplitude sin(harmonic position + phase)``, linear in its sine and cosine parts where the harmonic is given.
 
     The position of a prismatic joint is in m, so that its harmonic is the number of cycles in 2 pi m.
+
+    Attributes:
+        with_direction: whether the wave changes its sign with the velocity.
     """
 
     neutral = {"amplitude": 0.0}
@@ -29,6 +32,7 @@ class WaveEffect(Effect, abstract=True):
     linear_bounds: ClassVar[tuple[float, ...]] = (-math.inf, -math.inf)
     axes = ("harmonic",)
     small_size: ClassVar[float] = POSITION_STEP
+    with_direction: ClassVar[bool] = False
 
     amplitude: float = parameter("rad")
     harmonic: float = parameter("1", prismatic_unit=WAVE_NUMBER, chosen=True)

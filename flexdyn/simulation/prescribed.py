@@ -27,7 +27,14 @@ EVALUATIONS_PER_SECOND = 2_000_000
 """Evaluations of the equations for each second, after which a simulation has failed [1/s]."""
 
 
-def links_behind(model: FlexibleJointModel, joints: Sequence[int], t: Array, course: Array, first: Array) -> Array:
+def links_behind(
+    model: FlexibleJointModel,
+    joints: Sequence[int],
+    t: Array,
+    course: Array,
+    first: Array,
+    winding: Array | float = 0.0,
+) -> Array:
     """Positions of links whose rotors are moved as recorded, by simulation.
 
     What is moved has so much inertia that no force disturbs it (the large mass method: Clough and Penzien, Dynamics of
@@ -40,6 +47,7 @@ def links_behind(model: FlexibleJointModel, joints: Sequence[int], t: Array, cou
         t: times since the start of the run (samples,) [s].
         course: positions of the rotors of `joints`, and of the links of all others (samples, n) [rad or m].
         first: positions of the links at the first sample (n,).
+        winding: rates of the deflections there (n,) [rad/s or m/s].
 
     Returns:
         positions of all links (samples, n) [rad or m]; NaN from where the simulation failed.
@@ -56,7 +64,7 @@ def links_behind(model: FlexibleJointModel, joints: Sequence[int], t: Array, cou
     command = _core.open_loop(_core.signal(times, np.ascontiguousarray(pull), np.ascontiguousarray(bend[-1] * HEAVY)))
     speed, elastic = spline(t[0], 1), np.flatnonzero(heavy.elastic)
     q0 = np.where(heavy.elastic, first, course[0])
-    x0 = np.concatenate([q0, course[0, elastic], speed, speed[elastic]])
+    x0 = np.concatenate([q0, course[0, elastic], speed - winding, speed[elastic]])
     x0 = np.ascontiguousarray(np.pad(x0, (0, plant.state_size - len(x0))))
     stiff = fastest_rate(plant, x0) > STIFF
     solver = Rosenbrock(rtol=RTOL, atol=ATOL) if stiff else DormandPrince(rtol=RTOL, atol=ATOL)

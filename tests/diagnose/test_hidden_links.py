@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from scipy.linalg import eigh
 
 import flexdyn as fd
 from flexdyn.diagnose.data.filters import Filters
@@ -17,9 +18,10 @@ from flexdyn.diagnose.data.measured import Measured, measured
 from flexdyn.diagnose.equations.covariance import whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.response import LinkResponse
-from flexdyn.diagnose.hypothesis.prepared import MOST_SIMULATED, chosen_again, prepared, recorded_noise
+from flexdyn.diagnose.hypothesis.prepared import MOST_SIMULATED, behind_motors, prepared, recorded_noise
 from flexdyn.diagnose.hypothesis.unweighted import Unweighted
-from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
+from flexdyn.diagnose.hypothesis.workspace import Workspace, beginning_as, weighed
+from flexdyn.diagnose.inference.passes import posterior
 from flexdyn.model.uncertain_parameters import file_numbers
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, RATE, one_after_the_other
@@ -40,8 +42,8 @@ def _swept(seconds: float = 8.0) -> tuple[Array, Array]:
     return one_after_the_other(RINGING, tau), tau
 
 
-def _recorded(step: float, stop: int | None = None) -> tuple[fd.FlexibleJointModel, Measured]:
-    states, tau = (x[:stop] for x in _swept())
+def _recorded(step: float, stop: int | None = None, start: int = 0) -> tuple[fd.FlexibleJointModel, Measured]:
+    states, tau = (x[start:stop] for x in _swept())
     draw = np.random.default_rng(1)
     channels = {}
     for j, joint in enumerate(JOINTS):
@@ -73,46 +75,74 @@ def test_a_ringing_link_tells_its_stiffness() -> None:
     assert np.linalg.norm(told) > 100.0 * np.linalg.norm(hidden)
 
 
+def test_links_begin_as_the_record_says() -> None:
+    """A record from the middle of the motion, where links ring: from rest their simulation would ring otherwise."""
+    model, data = _recorded(FINE, start=round(1.0 * RATE), stop=round(4.0 * RATE))
+    at = Equations(model, (data,), Filters.of_rate(data.dt), simulated=True)
+    _, start = prepared(model, (data,))
+    bare = Unweighted.of(at, recorded_noise((data,)), start.factors)
+    begun = beginning_as(bare, start)
+    used = ~(bare.mask | begun.mask)
+    left, more = (np.linalg.norm(each.equations.residual[used]) for each in (begun, bare))
+    assert left < 0.1 * more
+    again = weighed(begun).first_states(begun.equations.residual)
+    first = weighed(bare).first_states(bare.equations.residual)
+    assert np.abs(again[::2]).max() < 0.2 * np.abs(first[::2]).max()  # deflections
+
+
 @pytest.mark.parametrize(("step", "simulated"), [(FINE, True), (COARSE, False)])
 def test_the_encoders_noise_decides(step: float, simulated: bool) -> None:
     """Coarse encoders would make simulated links vibrate by more than all other noise."""
-    model, data = _recorded(step, stop=round(4.0 * RATE))
-    bare, _ = prepared(model, (data,))
-    assert (bare.equations.simulated, bare.equations.quasi_static) == (simulated, not simulated)
+    bare, start = prepared(*_of_one(_recorded(step, stop=round(4.0 * RATE))))
+    behind = behind_motors(bare, start)
+    assert (behind is not None) == simulated
+    if behind is not None:
+        assert (behind.equations.simulated, behind.equations.quasi_static) == (True, False)
+        assert (~behind.mask).sum() > 2 * (~bare.mask).sum()
 
 
-def test_where_simulated_links_are_farther_off_they_follow_their_load() -> None:
-    """A brake that closes at once, in the middle of the record, is no motion that a spline through samples holds."""
-    model, data = _recorded(FINE)
-    bare, _ = prepared(model, (data,))
-    assert bare.equations.quasi_static
+def _of_one(made: tuple[fd.FlexibleJointModel, Measured]) -> tuple[fd.FlexibleJointModel, tuple[Measured, ...]]:
+    """A model and its only recording."""
+    return made[0], (made[1],)
 
 
-def test_an_effect_that_was_found_chooses_anew() -> None:
-    """An eccentric encoder makes simulated links useless at the file's numbers; with it they leave noise again."""
+def test_what_computed_positions_hide_is_seen_behind_the_motors() -> None:
+    """A fast ripple of the torque: most of it is behind the wide filter that computed positions need."""
     model, data = _recorded(FINE, stop=round(4.0 * RATE))
-    disc = fd.effects.EncoderEccentricity("theta.shoulder", amplitude=2e-3, harmonic=30.0, phase=0.4)
-    theta = data.theta.copy()
-    theta[:, 0] += disc.amplitude * np.sin(disc.harmonic * theta[:, 0] + disc.phase)
-    bare, start = prepared(model, (dataclasses.replace(data, theta=theta),))
-    assert bare.equations.quasi_static
-    assert chosen_again(bare, start) is bare
-    again = chosen_again(bare, dataclasses.replace(start, effects=(disc,)))
-    assert again.equations.simulated
-    assert not again.equations.quasi_static
+    ripple = fd.effects.TorqueRipple("shoulder", amplitude=0.05, harmonic=60.0, phase=0.4)
+    tau = data.tau.copy()
+    tau[:, 0] -= ripple.amplitude * np.sin(ripple.harmonic * data.theta[:, 0] + ripple.phase)
+    found = posterior(*prepared(model, (dataclasses.replace(data, tau=tau),)))
+    assert found.bare.equations.simulated
+    kinds = [found.space.candidates[c].kind for c, _ in found.best]
+    assert kinds == ["torque_ripple"]
 
 
-def test_links_of_a_long_record_follow_their_load() -> None:
+def test_where_nothing_is_left_links_are_not_simulated() -> None:
+    """The equations with computed positions explain all that the others see."""
+    found = posterior(*prepared(*_of_one(_recorded(FINE, stop=round(4.0 * RATE)))))
+    assert not found.bare.equations.simulated
+    assert not found.best
+
+
+def test_where_simulated_links_are_farther_off_they_do_not_count() -> None:
+    """A brake that closes at once, in the middle of the record, is no motion that a spline through samples holds."""
+    found = posterior(*prepared(*_of_one(_recorded(FINE))))
+    assert found.bare.equations.quasi_static
+
+
+def test_links_of_a_long_record_are_not_simulated() -> None:
     """Every candidate would simulate all of it again."""
     model, data = _recorded(FINE, stop=round(4.0 * RATE))
-    many = np.arange(MOST_SIMULATED // 2 + 1) % len(data.t)
+    many = np.arange(MOST_SIMULATED // 2 + 100) % len(data.t)
     long = dataclasses.replace(
         data,
         t=np.arange(len(many)) / RATE,
         **{signal: getattr(data, signal)[many] for signal in ("q", "theta", "tau", "tau_s")},
     )
-    bare, _ = prepared(model, (long,))
+    bare, start = prepared(model, (long,))
     assert bare.equations.quasi_static
+    assert behind_motors(bare, start) is None
 
 
 def test_a_column_is_what_the_law_changes() -> None:
@@ -161,8 +191,9 @@ def test_links_respond_as_masses_on_springs() -> None:
         return [v1, v2, (m22 * r1 - m12 * r2) / determinant, (m11 * r2 - m12 * r1) / determinant]
 
     whole = solve_ivp(rates, (0.0, t[-1]), np.zeros(4), "DOP853", t, rtol=1e-9, atol=1e-13)
-    masses, springs = np.array([mass(s) for s in t]), np.tile([k1, k2], (len(t), 1))
-    response = LinkResponse.of(masses, springs, np.array([d1, d2]), 0.002)
+    masses = np.array([mass(s) for s in t])
+    springs, dampers = (np.tile(np.diag(each), (len(t), 1, 1)) for each in ([k1, k2], [d1, d2]))
+    response = LinkResponse.of(masses, springs, dampers, 0.002)
     found = response(np.array([torque(s) for s in t]))
     assert np.abs(found - whole.y[:2].T).max() < 1e-3 * np.abs(found).max()
 
@@ -171,5 +202,26 @@ def test_a_spring_that_is_stiff_for_the_clock_follows_its_load() -> None:
     """Its vibration is far beyond what samples can hold."""
     t = np.arange(1000) * 0.01
     torque = np.sin(2.0 * t)[:, None] ** 3
-    response = LinkResponse.of(np.full((1000, 1, 1), 0.5), np.full((1000, 1), 1e6), np.array([1e4]), 0.01)
+    response = LinkResponse.of(*(np.full((1000, 1, 1), each) for each in (0.5, 1e6, 1e4)), dt=0.01)
     assert np.abs(response(torque) - torque / 1e6).max() < 0.05 / 1e6
+
+
+def test_gravity_changes_the_frequency_of_a_vibration() -> None:
+    """The arm hangs straight down behind motors at rest: ``(K + G - w^2 M) x = 0``, for fifty periods."""
+    arm = dataclasses.replace(ARM, stiffness=(400.0, 300.0), damping=(0.0, 0.0), gravity=9.81)
+    model, t = two_link(arm), np.arange(round(12.0 * RATE)) / RATE
+    down = np.tile([-0.5 * math.pi, 0.0], (len(t), 1))
+    channels = {f"theta.{joint}": down[:, j] for j, joint in enumerate(JOINTS)}
+    channels |= {f"tau.{joint}": np.zeros(len(t)) for joint in JOINTS}
+    data = measured(model, fd.Recording(t, channels))
+    at = Equations(model, (data,), Filters.of_rate(data.dt), simulated=True)
+    along = at.motions[0]
+    M = at.links.mass_matrix(down[0])
+    ahead, back = (at.links.bias(down[:2] + step * np.eye(2), np.zeros((2, 2))) for step in (1e-5, -1e-5))
+    K = np.diag(arm.stiffness) + (ahead - back).T / 2e-5
+    squares, shapes = eigh(K, M)
+    assert np.sqrt(squares[0]) * t[-1] > 50.0 * 2.0 * math.pi
+    assert np.abs(np.sqrt(eigh(np.diag(arm.stiffness), M)[0][0] / squares[0]) - 1.0) > 0.01
+    free = at.response(along).free(shapes[:, 0], np.zeros(2))
+    swings = np.cos(np.sqrt(squares[0]) * (along.t - along.t[0]))[:, None] * shapes[:, 0]
+    assert np.abs(free - swings).max() < 0.05 * np.abs(swings).max()

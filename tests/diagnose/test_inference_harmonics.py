@@ -65,6 +65,23 @@ def test_two_waves_are_two_peaks(tmp_path: Path) -> None:
         assert min(abs(h - harmonic) for h in found) < 0.2 * resolution
 
 
+def test_friction_over_position_has_its_peak_where_the_direction_counts(tmp_path: Path) -> None:
+    """Over a motion to and fro, a spectrum that does not know of the direction has two peaks beside the harmonic."""
+    t, harmonic = np.arange(round(SECONDS * RATE)) / RATE, 23.0
+    x, _ = _motion(t)
+    held, a = _motion(t + 0.5 / RATE)
+    direction = np.sign(_motion(t + 0.51 / RATE)[0] - _motion(t + 0.49 / RATE)[0])
+    force = MASS * a + 0.2 * np.sin(harmonic * held + 0.4) * direction
+    data = (measured(slider_model(tmp_path), slider_recording(x, force, RATE, LEVELS, seed=7)),)
+    equations = Equations(slider_model(tmp_path), data, Filters.of_rate(1.0 / RATE))
+    rows = len(equations.residual)
+    runs = runs_of(np.zeros(rows, bool), [rows], 1)[:, 0]
+    one, other = (peaks(equations, equations.residual, runs, 0, "q", with_direction=each) for each in (True, False))
+    near = 0.2 * np.pi / float(np.ptp(x))
+    assert abs(one[0] - harmonic) < near
+    assert min(abs(h - harmonic) for h in other) > near
+
+
 def test_peaks_are_harmonics_that_are_looked_for(tmp_path: Path) -> None:
     """Of noise alone as well."""
     found, _ = _found(tmp_path, ())

@@ -72,12 +72,12 @@ def computed_positions(
         carried = _carried(model, j, given, smooth_theta[:, j], omega[:, j], t)
         bent, slope = _bent_by_rotor(model, j, theta[:, j], kernel)
         carried = rests.instead(j, total[:, j], carried / slope) if rests else carried / slope
-        smooth_q[:, j] += bent - _wound_by_torque(model, j, carried)
+        smooth_q[:, j] += bent - wound_by_torque(model, j, carried)
     if only_link.any():
         total = shared.torques(links, smooth_q, v, a)
         for j in np.flatnonzero(only_link).tolist():
             rubbing = friction_of(model, j, "link", smooth_q[:, j], v[:, j], t)
-            straight = smooth_q[:, j] + _wound_by_torque(model, j, total[:, j] + rubbing)
+            straight = smooth_q[:, j] + wound_by_torque(model, j, total[:, j] + rubbing)
             smooth_theta[:, j], rotor = straight, theta[:, j].copy()
             for _ in range(BENT_ROUNDS):
                 rotor[kernel.half : len(rotor) - kernel.half] += smooth_theta[:, j] - kernel.apply(rotor, 0)
@@ -134,7 +134,7 @@ def _bent_by_rotor(model: FlexibleJointModel, j: int, theta: Array, kernel: Gaus
     return kernel.apply(bent, 0), kernel.apply(slope, 0)
 
 
-def _wound_by_torque(model: FlexibleJointModel, j: int, carried: Array) -> Array:
+def wound_by_torque(model: FlexibleJointModel, j: int, carried: Array) -> Array:
     """Deflection (samples,) for a transmission torque (samples,), by Newton's method."""
     seen = carried / model.stiffness[j]
     for _ in range(STEEP_SPRING_ROUNDS if _springs(model, j) else 0):

@@ -43,10 +43,12 @@ class Equations(EquationLayout):
         quasi_static: whether an unmeasured link whose motor rests is taken to follow its load without ringing, so that
             the equations of other joints can be used meanwhile.
         error: known error of the rows (rows,), taken off the residual; None: none is known.
+        began: how simulated links begin in each recording, see `replayed`; None: at rest, held by gravity.
     """
 
     quasi_static: bool = False
     error: Array | None = None
+    began: tuple[Array, ...] | None = None
 
     @lazy
     def links(self) -> LinkSide:
@@ -80,9 +82,10 @@ class Equations(EquationLayout):
                 self.filters.first,
                 rests,
                 simulated=self.simulated,
+                began=None if self.began is None else self.began[k],
                 shared=self.shared,
             )
-            for data, rests in zip(self.data, self.rests, strict=True)
+            for k, (data, rests) in enumerate(zip(self.data, self.rests, strict=True))
         )
 
     @lazy
@@ -143,6 +146,20 @@ class Equations(EquationLayout):
     def less(self, error: Array) -> Equations:
         """The same without a known error of the rows (rows,)."""
         return self._sharing(error=error)
+
+    def beginning(self, more: Array) -> Equations:
+        """The same where simulated links begin otherwise.
+
+        Args:
+            more: deflections and their rates in addition, in the order of `of_first_states` (states,).
+        """
+        joints = np.flatnonzero(self.unmeasured)
+        began = [
+            np.zeros((2, self.true.n)) if self.began is None else self.began[k].copy() for k in range(len(self.data))
+        ]
+        for states, change in zip(began, more.reshape(len(began), len(joints), 2), strict=True):
+            states[:, joints] += change.T
+        return self._sharing(began=tuple(began))
 
     def along(self, data: tuple[Measured, ...]) -> Equations:
         """The same model along other recordings of the same motion; motors rest where they did."""

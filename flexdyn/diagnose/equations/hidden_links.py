@@ -21,7 +21,8 @@ def hidden_links_error(equations: Equations, theta: Array, taps: Array) -> Array
         taps: whole filter from a sample to a row.
     """
     if not equations.simulated:
-        return _error_of_rests(equations) ** 2
+        with np.errstate(over="ignore"):  # of numbers far from the right ones: such a fit is refused
+            return np.asarray(_error_of_rests(equations) ** 2)
     return np.tile(noise_of_vibration(equations, theta, taps), sum(equations.counts))
 
 
@@ -78,7 +79,8 @@ def noise_of_vibration(equations: Equations, theta: Array, taps: Array) -> Array
 def of_first_states(equations: Equations) -> tuple[Array, Array]:
     """Slopes of the rows by the first states of simulated links (rows, states), and standard deviations of these.
 
-    For each recording and joint a deflection and its rate; the standard deviations are their root mean squares.
+    For each recording and joint a deflection and its rate where the simulation begins, before the motion is filtered
+    again; the standard deviations are their root mean squares.
     """
     columns: list[Array] = []
     sigma: list[float] = []
@@ -87,7 +89,7 @@ def of_first_states(equations: Equations) -> tuple[Array, Array]:
         response, hidden = equations.response(along), np.flatnonzero(equations.unmeasured)
         for i, one in zip(hidden.tolist(), np.eye(len(hidden)), strict=True):
             for size, y, v in ((along.delta[:, i], one, 0.0 * one), (along.ddelta[:, i], 0.0 * one, one)):
-                moved = equations.behind(along, response.free(y, v))
+                moved = equations.behind(along, response.free(y, v, equations.filters.first.half * along.dt))
                 whole = np.zeros((int(ends[-1]), len(equations.kinds)))
                 whole[end - len(moved) : end] = moved
                 columns.append(whole.ravel())

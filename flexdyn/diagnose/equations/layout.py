@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -222,9 +223,10 @@ class EquationLayout:
     def response(self, along: SmoothedMotion) -> LinkResponse:
         """How the unmeasured links respond to a torque."""
         joints = np.flatnonzero(self.unmeasured)
-        M = (along.near or along).M[:, joints[:, None], joints]
+        by_place, by_speed, M = dataclasses.replace(along, near=None).slopes_by(joints)
         K = np.stack([steepness(self.true, j, along.delta[:, j]) for j in joints.tolist()], axis=1)
-        return LinkResponse.of(np.ascontiguousarray(M), K, self.true.damping[joints], along.dt)
+        spring, damper = K[:, :, None] * np.eye(len(joints)), np.diag(self.true.damping[joints])
+        return LinkResponse.of(M, spring + by_place, damper + by_speed, along.dt)
 
     def behind(self, along: SmoothedMotion, deflections: Array) -> Array:
         """Rows (times, equations) of additional deflections of the simulated links (samples, links)."""

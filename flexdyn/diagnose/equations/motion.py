@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.arrays import Array, Flags
+from flexdyn.arrays import Array, Flags, Indices
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.diagnose.equations.computed_positions import computed_positions
+from flexdyn.diagnose.equations.computed_positions import computed_positions, wound_by_torque
 from flexdyn.diagnose.equations.held_torque import HeldTorque, centred
 from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.equations.shared import SharedResults
@@ -116,6 +116,12 @@ class SmoothedMotion(Smoothed):
             return self.near.dragged(j, moved, at)
         return np.asarray(sum(s * d[:, None] for s, d in zip(self._slopes(j, at), moved, strict=True)))
 
+    def slopes_by(self, joints: Indices) -> tuple[Array, Array, Array]:
+        """Slopes of M a + h at some joints by their positions, speeds and accelerations (samples, joints, joints)."""
+        each = [self._slopes(j, slice(None)) for j in joints.tolist()]
+        place, speed, M = (np.stack([torque[:, joints] for torque in by], axis=2) for by in zip(*each, strict=True))
+        return place, speed, M
+
     def _slopes(self, j: int, at: Places) -> tuple[Array, Array, Array]:
         """Slopes of M a + h by a joint's position, speed and acceleration (samples, n); kept for further columns."""
         place = (j, isinstance(at, slice))
@@ -168,6 +174,7 @@ def smoothed(
     rests: Rests | None = None,
     *,
     simulated: bool = False,
+    began: Array | None = None,
     shared: SharedResults | None = None,
 ) -> Smoothed:
     """Smooth a recording.
@@ -179,6 +186,7 @@ def smoothed(
         kernel: the first filter.
         rests: where motors rest whose links are not measured; None: nowhere.
         simulated: whether all unmeasured links are simulated along the motion of their motors.
+        began: how these links begin, see `replayed`.
         shared: what other models may have asked for; None: nothing.
 
     A joint with one encoder gets the other position from its own equation (`computed_positions`), or by simulation
@@ -195,7 +203,7 @@ def smoothed(
     if twice:
         resting_links = None if simulated else rests
         q, theta = computed_positions(model, links, q, theta, tau, data, kernel, resting_links, shared)
-        q = replayed(model, q, theta, data, t[inner], simulated)
+        q = replayed(model, links, q, theta, data, t[inner], simulated, began)
         tau, tau_s = (shared.filtered(kernel, each, 0) for each in (tau, tau_s))
     elif not data.both.all():  # as many samples as for an elastic joint
         q, theta, tau, tau_s = q[inner], theta[inner], tau[inner], tau_s[inner]
@@ -208,18 +216,29 @@ def smoothed(
 
 
 def replayed(
-    model: FlexibleJointModel, q: Array, theta: Array, data: Measured, t: Array, simulated: bool = False
+    model: FlexibleJointModel,
+    links: LinkSide,
+    q: Array,
+    theta: Array,
+    data: Measured,
+    t: Array,
+    simulated: bool = False,
+    began: Array | None = None,
 ) -> Array:
     """Positions of the links (samples, n), those behind prescribed motors by simulation along the record.
 
     Args:
         model: resolved.
+        links: its link side.
         q: of the links; those behind such motors as the recorded force winds their springs, of which the first sample
             is where the simulation begins.
         theta: of the rotors.
         data: the recording.
         t: times since the start of the run (samples,) [s].
-        simulated: whether those behind all other motors are simulated too.
+        simulated: whether those behind all other motors are simulated too. They begin where gravity holds them: from
+            elsewhere they would vibrate for seconds, and the equations are linear in small vibrations alone.
+        began: deflections beyond those by gravity, and rates of deflections, at the first sample (2, n) [rad or m,
+            rad/s or m/s]; None: zero.
     """
     hidden = unmeasured_links(model, data) if simulated else hidden_links(model, data)
     joints = np.flatnonzero(hidden).tolist()
@@ -227,9 +246,13 @@ def replayed(
         return q
     course = q.copy()
     course[:, joints] = theta[:, joints]
-    first = np.where(np.isfinite(q[0]) & ~simulated, q[0], theta[0])
+    first, weight = theta[0].copy(), links.bias(theta[0], np.zeros(model.n))
+    wound, winding = np.zeros((2, model.n)) if began is None else began
+    for j in joints:
+        known = np.isfinite(q[0, j]) and not simulated
+        first[j] = q[0, j] if known else theta[0, j] - wound_by_torque(model, j, weight[j : j + 1])[0] - wound[j]
     found = q.copy()
-    found[:, joints] = links_behind(model, joints, t, course, first)[:, joints]
+    found[:, joints] = links_behind(model, joints, t, course, first, winding)[:, joints]
     return found
 
 

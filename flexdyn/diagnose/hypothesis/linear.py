@@ -44,7 +44,7 @@ def linearised(hypothesis: Hypothesis, space: Workspace, before: Fit | None = No
     along = space.bare.sloping(at)
     scales = scales_of(hypothesis)
     taken = None if before is None else before.taken or before.hypothesis
-    near = before if taken is not None and _near(hypothesis, taken) else None
+    near = before if taken is not None and not at.simulated and _near(hypothesis, taken) else None
     with SILENT():
         y, X = _rows(hypothesis, at, along, here) if near is None else _same_slopes(near, at, here, scales)
     made = problem_of(hypothesis, at, y, X, space, scales)
@@ -160,7 +160,8 @@ def slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) -
     because its deflection is smaller than sensor errors, and those of a joint whose torque has another gain, in which
     its rows are. Mass, centre of mass and inertia of a link multiply one another, and their torque winds the springs:
     if one of them is far off, or the links carry more, all are computed again; so are those of links, and of the joint,
-    where an effect changes the torque from which a position is computed.
+    where an effect changes the torque from which a position is computed. Where links are simulated, all are: a small
+    change of the frequency of a vibration is another phase after many periods.
     """
     numbers, effects = hypothesis.factors, hypothesis.effects
     far = {n for n, factor in numbers.items() if abs(factor - 1.0) > SAME_DERIVATIVE_DISTANCE}
@@ -170,6 +171,7 @@ def slopes_of_numbers(hypothesis: Hypothesis, at: Equations, space: Workspace) -
     wrong = (e for e in effects if isinstance(e, SensorEffect) or e.position_error or e.scales_torque)
     joints = wound | {getattr(e, "joint", None) for e in wrong}
     links = bool(wound) and not carry
+    carry = carry or at.simulated
     anew = tuple(n for n in numbers if carry or n in far or n.joint in joints or (links and n.joint is None))
     if not anew:
         return space.numbers

@@ -11,16 +11,12 @@ from flexdyn.diagnose.data.filters import SECOND_FILTER_WIDTHS, Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.covariance import SampleNoise, encoders_rule, vibration_rules
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.unweighted import Unweighted
-from flexdyn.diagnose.hypothesis.workspace import weighed
-from flexdyn.errors import InputError, SimulationError
+from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.model.uncertain_parameters import file_numbers, with_factors
 
-PAUSES_STEPS = 3
-"""Gauss-Newton steps of the file's numbers, by which the equations during pauses are chosen."""
 MOST_SIMULATED = 100_000
 """Joints times samples, above which links are not simulated: some hundred fits of candidates simulate them again."""
 MANY = 200.0
@@ -32,15 +28,21 @@ def prepared(
 ) -> tuple[Unweighted, Hypothesis]:
     """Equations without weights, whose noise is as the recordings show it, and the numbers to start from.
 
+    The position of a link that is not measured is computed from its motor's torque. Where too few rows are left while
+    motors move, links follow their load during pauses; where none are left even so, links are simulated.
+
     Raises:
         InputError: all rows are masked.
     """
     start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
-    noise = recorded_noise(data)
-    bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), noise, start.factors)
-    used = ~bare.mask.reshape(-1, len(bare.equations.kinds))
+    noise, given = recorded_noise(data), with_factors(model, {}, start.effects)
+    moving = _filtered(Equations(given, data, Filters.of_rate(data[0].dt)), noise)
+    bare = Unweighted.of(moving, noise, start.factors)
+    used = ~bare.mask.reshape(-1, len(moving.kinds))
     if used.sum(axis=0).min() < len(start.factors):  # sweeps of single joints: some equation cannot tell the numbers
-        bare = _through_pauses(bare, start)
+        bare = Unweighted.of(dataclasses.replace(moving, quasi_static=True), noise, start.factors)
+    if bare.mask.all():
+        bare = behind_motors(bare, start) or bare
     if bare.mask.all():
         problem = "joints rest, or may rest, so often that no equation can be used"
         remedy = "let all joints move at once for seconds: while one sticks, its friction torque is unknown"
@@ -48,41 +50,28 @@ def prepared(
     return bare, start
 
 
-def _through_pauses(bare: Unweighted, start: Hypothesis) -> Unweighted:
-    """Equations that use rows during pauses of motors: with simulated links, or with links that follow their load.
+def behind_motors(bare: Unweighted, start: Hypothesis) -> Unweighted | None:
+    """Equations in which the links that are not measured are simulated behind their motors, as these moved.
 
-    Links are simulated unless a transmission has a torque sensor, whose rows know of no response, the record is too
-    long, encoder noise would make the links vibrate too much, or the file's numbers, fitted, leave more with them: then
-    the vibration is so far off that its slopes mislead.
-    """
-    following = Unweighted.of(
-        dataclasses.replace(bare.equations, quasi_static=True, simulated=False), bare.noise, start.factors
-    )
-    moving = dataclasses.replace(bare.equations, quasi_static=False, simulated=True)
-    size = moving.true.n * sum(len(each.t) for each in moving.data)
-    if not moving.unmeasured.any() or moving.sensed or size > MOST_SIMULATED or vibration_rules(moving, bare.noise):
-        return following
-    behind = Unweighted.of(moving, bare.noise, start.factors)
-    try:
-        left = [fit(start, weighed(each), steps=PAUSES_STEPS).reduced for each in (behind, following)]
-    except SimulationError:
-        return following
-    return behind if left[0] <= left[1] else following
-
-
-def chosen_again(bare: Unweighted, there: Hypothesis) -> Unweighted:
-    """Equations through pauses that suit what a fit has found; those that there are, if they suit it too.
-
-    An effect that the file lacks may make the one kind or the other useless.
+    They use more rows, behind a narrower filter: the position of a link that is computed from its motor's torque has
+    this torque's noise and, while the motor sticks, its unknown friction.
 
     Args:
-        bare: the equations that were chosen at the file's numbers.
-        there: the fitted hypothesis.
+        bare: equations in which the positions of these links are computed.
+        start: the file's numbers.
+
+    Returns:
+        None where all links are measured, a transmission has a torque sensor, whose rows know of no response, the
+        record is too long, or encoder noise would make the links vibrate too much.
     """
-    if not (bare.equations.quasi_static or bare.equations.simulated):
-        return bare
-    other = _through_pauses(bare, there)
-    return bare if other.equations.simulated == bare.equations.simulated else other
+    equations = bare.equations
+    size = equations.true.n * sum(len(each.t) for each in equations.motions)
+    if not equations.unmeasured.any() or equations.sensed or size > MOST_SIMULATED or equations.simulated:
+        return None
+    narrow = Filters.of_rate(equations.data[0].dt)
+    moving = dataclasses.replace(equations, filters=narrow, quasi_static=False, simulated=True)
+    moving = _filtered(moving, bare.noise)
+    return None if vibration_rules(moving, bare.noise) else Unweighted.of(moving, bare.noise, start.factors)
 
 
 def recorded_noise(data: tuple[Measured, ...]) -> SampleNoise:
@@ -91,15 +80,15 @@ def recorded_noise(data: tuple[Measured, ...]) -> SampleNoise:
     return SampleNoise(encoder_noise(data, "q"), encoder_noise(data, "theta"), torque, np.zeros(len(torque)))
 
 
-def _filtered(model: FlexibleJointModel, data: tuple[Measured, ...], noise: SampleNoise) -> Equations:
+def _filtered(found: Equations, noise: SampleNoise) -> Equations:
     """The equations with the narrowest filter for which the encoders' noise is below that of the torque.
 
     If rows contain mainly noise times a number of the file, a smaller number would make them smaller.
     """
-    found = Equations(model, data, Filters.of_rate(data[0].dt))
     for second in SECOND_FILTER_WIDTHS[1:]:
-        short = min(len(each.t) for each in data) * data[0].dt < MANY * second
+        dt = found.data[0].dt
+        short = min(len(each.t) for each in found.data) * dt < MANY * second
         if short or not encoders_rule(found, noise):
             break
-        found = Equations(model, data, Filters.of_rate(data[0].dt, second=second))
+        found = dataclasses.replace(found, filters=Filters.of_rate(dt, second=second))
     return found

@@ -65,7 +65,7 @@ class Unweighted:
         return at if self.along is None else self.along.of(at.model)
 
     def with_offsets_of(self, at: Equations) -> Unweighted:
-        """The same with the slopes of other equations by shapes of torques and by encoders' offsets.
+        """The same with the slopes of other equations by all that is not reported.
 
         A spring that hardens feels an offset more. Without springs offsets act on gravity and inertia alone, which
         effects hardly change.
@@ -74,14 +74,27 @@ class Unweighted:
         offsets, states = list(self.unknown[:, :first].T), self.unknown[:, first : first + len(self.states)]
         if at.true.elastic.any():
             offsets = _of_offsets(at, self.channels)
-        return dataclasses.replace(self, unknown=np.column_stack([*offsets, states, *_of_shapes(at)]))
+        made = dataclasses.replace(self, unknown=np.column_stack([*offsets, states, *_of_shapes(at)]))
+        return made.with_first_states_of(at)
+
+    def with_first_states_of(self, at: Equations) -> Unweighted:
+        """The same with the slopes of other equations by first states of links that are simulated.
+
+        After many periods of a vibration a small change of its frequency is another phase.
+        """
+        if not at.simulated:
+            return self
+        states, sigma = of_first_states(at)
+        unknown = self.unknown.copy()
+        unknown[:, len(self.channels) : len(self.channels) + len(sigma)] = states
+        return dataclasses.replace(self, unknown=unknown, states=sigma)
 
 
 def _slopes_by_all(
     equations: Equations, numbers: Iterable[FileNumber], at: Equations, channels: tuple[str, ...]
 ) -> tuple[Array, Array, Array]:
     """Slopes by the file's numbers and by what is not reported, and standard deviations of first states."""
-    states, sigma = of_first_states(equations)
+    states, sigma = of_first_states(at)
     unknown = np.column_stack([*_of_offsets(at, channels), states, *_of_shapes(at)])
     return number_columns.of_numbers(equations, tuple(numbers)), unknown, sigma
 

@@ -11,6 +11,7 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.covariance import SampleNoise, Whitener, whitener
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.unweighted import Unweighted
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import Effect
@@ -74,16 +75,41 @@ class Workspace:
 
     def without_offsets(self, residual: Array) -> tuple[Array, float]:
         """The same rows, and the sum of squares of these offsets over their standard deviations."""
-        rows, offsets = self.beside_nuisance(residual)
-        white = rows[:, 0]
-        loose = np.diag(1.0 / self.nuisance_sigma**2)
-        values = np.linalg.solve(offsets.T @ offsets + loose, offsets.T @ white)
+        white, offsets, values = self._fitted_nuisances(residual)
         return np.asarray(white - offsets @ values), float(np.sum((values / self.nuisance_sigma) ** 2))
+
+    def calm(self, residual: Array) -> Array:
+        """The residual, not whitened, after the best values of what is not reported are subtracted (rows,)."""
+        return np.asarray(residual - self.bare.unknown @ self._fitted_nuisances(residual)[2])
+
+    def first_states(self, residual: Array) -> Array:
+        """First states of simulated links in addition that fit a residual best (states,)."""
+        first = len(self.bare.channels)
+        return self._fitted_nuisances(residual)[2][first : first + len(self.bare.states)]
+
+    def _fitted_nuisances(self, residual: Array) -> tuple[Array, Array, Array]:
+        """Whitened residual (rows,), whitened columns of what is not reported (rows, k), and their best values (k,)."""
+        rows, offsets = self.beside_nuisance(residual)
+        white, loose = rows[:, 0], np.diag(1.0 / self.nuisance_sigma**2)
+        return white, offsets, np.asarray(np.linalg.solve(offsets.T @ offsets + loose, offsets.T @ white), dtype=float)
 
     @property
     def rows(self) -> int:
         """Number of rows that are not masked."""
         return int((~self.whiten.mask).sum())
+
+
+def beginning_as(bare: Unweighted, there: Hypothesis) -> Unweighted:
+    """The same equations whose simulated links begin as a hypothesis has it.
+
+    Raises:
+        SimulationError: the equations of the hypothesis are not finite.
+    """
+    if not bare.equations.simulated:
+        return bare
+    at = bare.equations.of(there.model())
+    more = weighed(bare.with_offsets_of(at), at).first_states(at.residual)
+    return Unweighted.of(bare.equations.beginning(more), bare.noise, there.factors)
 
 
 def weighed(bare: Unweighted, at: Equations | None = None, extra: Array | None = None) -> Workspace:
@@ -94,7 +120,8 @@ def weighed(bare: Unweighted, at: Equations | None = None, extra: Array | None =
         at: equations of the hypothesis whose coefficients carry the noise; None: the given model's.
         extra: additional variance of the rows (rows,).
     """
-    whiten = whitener(at if at is not None and at.noisy else bare.equations, bare.noise, bare.mask, extra)
+    at = at if at is not None and at.noisy else bare.equations
+    whiten, bare = whitener(at, bare.noise, bare.mask, extra), bare.with_first_states_of(at)
     levels = bare.noise.of_channels(bare.channels, bare.equations.true.joint_names)
     shapes = np.ones(bare.unknown.shape[1] - len(levels) - len(bare.states))
     return Workspace(bare, whiten, np.concatenate([2.0 * levels + 1e-12, bare.states, shapes]))

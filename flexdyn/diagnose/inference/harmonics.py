@@ -14,6 +14,7 @@ from flexdyn.diagnose.equations.layout import LINK, SENSOR
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.inference.autoregression import Autoregression
 from flexdyn.effects import registered
+from flexdyn.effects.waves import WaveEffect
 
 HIGHEST_HARMONIC = 200.0
 """Harmonics that are looked for, at most [cycles per turn]."""
@@ -25,7 +26,9 @@ HARMONIC_SPACING = 0.125
 """Between harmonics that are tried around a peak, as a share of the spectrum's resolution."""
 
 
-def peaks(equations: Equations, left: Array, runs: Indices, row: int, signal: str) -> list[float]:
+def peaks(
+    equations: Equations, left: Array, runs: Indices, row: int, signal: str, *, with_direction: bool = False
+) -> list[float]:
     """The harmonics at the highest peaks of one equation's residual over its joint's position.
 
     The filters weaken a wave of h cycles that passes at speed u by ``exp(-(h u s)^2/2)``, s their standard deviation.
@@ -36,6 +39,8 @@ def peaks(equations: Equations, left: Array, runs: Indices, row: int, signal: st
         runs: of its rows that say something (rows,).
         row: place of the equation.
         signal: ``q`` or ``theta``.
+        with_direction: whether the waves change their sign with the velocity. Over a motion to and fro they have
+            no peak at their own harmonic in the spectrum of waves that do not.
     """
     j, _ = equations.kinds[row]
     x, u = _motion(equations, j, signal)
@@ -49,11 +54,12 @@ def peaks(equations: Equations, left: Array, runs: Indices, row: int, signal: st
     y = process.innovations((left / scale * 1e3)[:, None], runs)[:, 0]
     first, second = equations.filters.first, equations.filters.second
     width = math.sqrt(first.variance + second.variance) * equations.data[0].dt
+    sign = np.sign(u)[:, None] if with_direction else 1.0
 
     def power(h: Array) -> Array:
         """Squares of the rows that waves of these harmonics explain."""
         fade = np.exp(-0.5 * (h * u[:, None] * width) ** 2)
-        parts = [fade * wave(h * x[:, None]) for wave in (np.cos, np.sin)]
+        parts = [sign * fade * wave(h * x[:, None]) for wave in (np.cos, np.sin)]
         C, S = (process.innovations(part, runs) for part in parts)
         cc, ss, cs = (C * C).sum(0), (S * S).sum(0), (C * S).sum(0)
         yc, ys = y @ C, y @ S
@@ -78,22 +84,31 @@ def _motion(equations: Equations, j: int, signal: str) -> tuple[Array, Array]:
     return equations.at_rows(signal)[:, j].copy(), equations.at_rows(rate)[:, j].copy()
 
 
-def with_harmonics(equations: Equations, known: list[Proposal], runs: Indices) -> list[Proposal]:
-    """Proposals of waves at the harmonics that the residual holds."""
-    many = len(equations.kinds)
-    found: dict[str, list[float]] = {}
+def with_harmonics(equations: Equations, left: Array, known: list[Proposal], runs: Indices) -> list[Proposal]:
+    """Proposals of waves at the harmonics that a residual holds.
+
+    Args:
+        equations: of a hypothesis.
+        left: their residual without what is not reported (rows,).
+        known: proposals of effects.
+        runs: of each equation's rows that say something (rows of an equation, equations).
+    """
+    found: dict[tuple[str, bool], list[float]] = {}
     for row, (j, kind) in enumerate(equations.kinds):
         joint = equations.true.joint_names[j]
         if kind == SENSOR:
             continue
-        signal = "q" if kind == LINK else "theta"
-        left = equations.residual.reshape(-1, many)[:, row]
-        found.setdefault(joint, []).extend(peaks(equations, left, runs[:, row], row, signal))
+        signal, own = "q" if kind == LINK else "theta", left.reshape(-1, len(equations.kinds))[:, row]
+        for turns in (False, True):
+            made = peaks(equations, own, runs[:, row], row, signal, with_direction=turns)
+            found.setdefault((joint, turns), []).extend(made)
     return [_at(each, found) for each in known]
 
 
-def _at(proposal: Proposal, harmonics: Mapping[str, list[float]]) -> Proposal:
-    if not registered()[proposal.place["effect"]].cycles:
+def _at(proposal: Proposal, harmonics: Mapping[tuple[str, bool], list[float]]) -> Proposal:
+    law = registered()[proposal.place["effect"]]
+    if not law.cycles:
         return proposal
-    more = {(h,) for h in harmonics.get(proposal.joint, ())}
+    turns = issubclass(law, WaveEffect) and law.with_direction
+    more = {(h,) for h in harmonics.get((proposal.joint, turns), ())}
     return dataclasses.replace(proposal, grid=tuple(sorted({*proposal.grid, *more})))

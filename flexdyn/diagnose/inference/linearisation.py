@@ -77,7 +77,7 @@ class Linearisation:
         along = work.bare.sloping(at)
         left, slopes = work.whiten(at.residual), slopes_of_numbers(here, along, work)
         require_finite(left, slopes)
-        listed = with_harmonics(at, own, runs_of(bare.mask, list(seen.lengths), len(at.kinds)))
+        listed = with_harmonics(at, work.calm(at.residual), own, runs_of(bare.mask, list(seen.lengths), len(at.kinds)))
         if first is None:
             check_memory(listed, bare.mask.size, sum(float(each.t[-1] - each.t[0]) for each in at.motions))
         library = Library(along, work, here, slopes, tuple(listed), first)

@@ -7,13 +7,11 @@ import math
 from collections.abc import Iterable
 from typing import TypeVar
 
-import numpy as np
-
-from flexdyn.diagnose.constants import CERTAIN_SIGMAS, NOISE_LEVEL_ERROR, OCCAM_WINDOW, STRONG_GAIN_SHARE
+from flexdyn.diagnose.constants import OCCAM_WINDOW, STRONG_GAIN_SHARE
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.inference.posterior_of_fit import STEPS_OF_A_FIT, log_posterior, squares_left
+from flexdyn.diagnose.inference.posterior_of_fit import STEPS_OF_A_FIT, leaves_more_than_noise, log_posterior
 from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Identities, Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
@@ -55,8 +53,8 @@ def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) ->
         base: the fit of `stands`, under whose weights all are fitted.
         stands: the structure at which it is.
     """
-    lacks = _lacks(space, base)
-    added = [point for gain, point in Scan(space).additions(stands) if lacks and gain > -OCCAM_WINDOW]
+    leaves = leaves_more_than_noise(base)
+    added = [point for gain, point in Scan(space).additions(stands) if leaves and gain > -OCCAM_WINDOW]
     others = dict.fromkeys(each for each in (best, *_with(space, stands, added)) if each != stands)
     tried = ((each, _fit_of_structure(space, each, base, STEPS_TRIED)) for each in others)
     return _most_likely(space, itertools.chain([(stands, base)], tried))[0]
@@ -82,7 +80,7 @@ def best_where_not_linear(space: Space, best: Structure, base: Fit, stands: Stru
     gains = Scan(space).additions(stands)
     strong = [point for gain, point in gains if gain > STRONG_GAIN_SHARE * gains[0][0]]
     tried = ((each, _fit_of_structure(space, each, base, STEPS_OF_A_FIT)) for each in _with(space, stands, strong))
-    alone = ((each, made) for each, made in tried if made is not None and not _lacks(space, made))
+    alone = ((each, made) for each, made in tried if made is not None and not leaves_more_than_noise(made))
     return _most_likely(space, itertools.chain([kept], alone))[0]
 
 
@@ -105,12 +103,6 @@ def most_likely_visited(
     best, fitted = _most_likely(space, tried)
     space.value(best)  # it is one of those that are compared
     return best, fitted
-
-
-def _lacks(space: Space, made: Fit) -> bool:
-    """Whether a fit leaves more than noise, chance and a misjudged level of the noise make."""
-    count, squares = space.noise.count, squares_left(made.equations, made.space)[0]
-    return bool((squares > (1.0 + NOISE_LEVEL_ERROR) * count + CERTAIN_SIGMAS * np.sqrt(2.0 * count)).any())
 
 
 def _with(space: Space, stands: Structure, added: Iterable[tuple[int, int]]) -> list[Structure]:

@@ -13,8 +13,9 @@ from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.prepared import chosen_again
+from flexdyn.diagnose.hypothesis.prepared import behind_motors
 from flexdyn.diagnose.hypothesis.unweighted import Unweighted
+from flexdyn.diagnose.hypothesis.workspace import beginning_as
 from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.library import Library
 from flexdyn.diagnose.inference.linearisation import Linearisation
@@ -26,6 +27,7 @@ from flexdyn.diagnose.inference.odds_by_fits import (
     most_likely_visited,
     odds_by_fits,
 )
+from flexdyn.diagnose.inference.posterior_of_fit import leaves_more_than_noise
 from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.shapes import likeliest_shapes
@@ -34,6 +36,7 @@ from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, 
 from flexdyn.diagnose.inference.weights import for_fit, quieter
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
+from flexdyn.errors import SimulationError
 
 MOST_PASSES = 5
 """Linearisations at most."""
@@ -84,24 +87,51 @@ class Posterior:
         return tuple(zip(sets, odds_by_fits(self.space, self.best, self.fitted, sets), strict=True)) if sets else ()
 
 
-def posterior(bare: Unweighted, start: Hypothesis, *, chosen: bool = False) -> Posterior:
+def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
     """Compare structures on the equations.
+
+    Where links are not measured, the equations in which they are simulated behind their motors see more, but are far
+    from linear. So they come second: where what was found leaves more than noise in them. They count if what they find
+    leaves noise: else they may hold vibrations of another cause.
 
     Args:
         bare: the equations of the model as given, with the noise that the records show.
         start: the file's numbers where they stand.
-        chosen: whether the first fit has confirmed what the equations take unmeasured links for; else it decides, and
-            the comparison may begin anew.
+    """
+    start = dataclasses.replace(start, fits_cycles=True)
+    found = _passes(bare, _in_tolerance(_numbers_alone(bare, start).hypothesis, start))
+    moving = behind_motors(bare, start)
+    there = None if moving is None else _unexplained(moving, found.fitted.hypothesis)
+    if moving is None or there is None:
+        return found
+    seen = _passes(moving, there)
+    return found if leaves_more_than_noise(seen.fitted) else seen
+
+
+def _unexplained(bare: Unweighted, there: Hypothesis) -> Hypothesis | None:
+    """A hypothesis with its numbers fitted to other equations if it leaves more than noise in them, else None."""
+    try:
+        made = _numbers_alone(beginning_as(bare, there), there)
+    except SimulationError:
+        return None
+    return dataclasses.replace(made.hypothesis, fits_cycles=True) if leaves_more_than_noise(made) else None
+
+
+def _passes(bare: Unweighted, here: Hypothesis) -> Posterior:
+    """Compare structures on one kind of equations.
+
+    Args:
+        bare: these equations.
+        here: where to linearise first.
     """
     own = everything(bare.equations)
-    start = dataclasses.replace(start, fits_cycles=True)
-    here = _in_tolerance(_numbers_alone(bare, start), start)
     first: Library | None = None
     compared: list[Identities] = []
     passed: set[tuple[Identities, Identities]] = set()
     visited: list[tuple[Identities, Hypothesis]] = []
     for k in range(MOST_PASSES):
         tell(f"comparing structures: pass {k + 1} of at most {MOST_PASSES}", 0.05 + 0.6 * k / MOST_PASSES)
+        bare = beginning_as(bare, here)
         near = Linearisation.of(bare, here, own, first)
         space = near.space
         first = first or space.library
@@ -125,8 +155,6 @@ def posterior(bare: Unweighted, start: Hypothesis, *, chosen: bool = False) -> P
         strong = best if bare.equations.simulated else _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1))
         made = likeliest_shapes(space, strong, near.best_fitted(strong, PASS_STEPS))
         here = dataclasses.replace(made.hypothesis, fits_cycles=True)
-        if k == 0 and not chosen and (other := chosen_again(bare, here)) is not bare:
-            return posterior(other, start, chosen=True)
         visited.append((space.identities(strong), here))
         space.forget()
     space.known = {}
@@ -138,11 +166,11 @@ def posterior(bare: Unweighted, start: Hypothesis, *, chosen: bool = False) -> P
     return Posterior(bare, space, best, fitted, settled, space.known, earlier=earlier)
 
 
-def _numbers_alone(bare: Unweighted, start: Hypothesis) -> Hypothesis:
+def _numbers_alone(bare: Unweighted, start: Hypothesis) -> Fit:
     """A first fit of the file's numbers."""
     at = bare.equations.of(start.model())
     bare = dataclasses.replace(bare, noise=quieter(bare.noise, at, bare.mask))
-    return fit(start, for_fit(bare, start), steps=NUMBERS_STEPS).hypothesis
+    return fit(start, for_fit(bare, start), steps=NUMBERS_STEPS)
 
 
 def linearised_elsewhere(compared: list[Identities], places: Identities) -> tuple[Identities, ...]:

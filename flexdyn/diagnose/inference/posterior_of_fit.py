@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.constants import CERTAIN_SIGMAS, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.chord import chord_fit
 from flexdyn.diagnose.hypothesis.estimate import fit
@@ -62,6 +63,13 @@ def squares_left(at: Equations, work: Workspace, hidden: Flags | bool = False) -
     if isinstance(weights.whiten, Tempered):
         squares = squares * weights.whiten.error.scale**2 * weights.whiten.error.times
     return np.asarray(squares), of_offsets
+
+
+def leaves_more_than_noise(made: Fit) -> bool:
+    """Whether a fit leaves more than noise, chance and a misjudged level of the noise make."""
+    squares, _ = squares_left(made.equations, made.space)
+    count = (~made.space.bare.mask).reshape(-1, len(squares)).sum(axis=0)
+    return bool((squares > (1.0 + NOISE_LEVEL_ERROR) * count + CERTAIN_SIGMAS * np.sqrt(2.0 * count)).any())
 
 
 def fit_if_likely(
