@@ -75,7 +75,7 @@ def spring_slope(
 ) -> Array | None:
     """Slope of the springs' torque over the deflection (samples,) [N m/rad or N/m]; None: the spring is linear.
 
-    By differences. What remembers the way of the deflection follows its noise in part; here it does not.
+    By differences; zero in a gap. What remembers the way of the deflection follows its noise in part; here it does not.
     """
     bent = [e for e in effects if isinstance(e, DeflectionEffect) or (e.bends_spring and e.stage == "spring")]
     bent = [e for e in bent if not isinstance(e, MemoryEffect)]
