@@ -42,9 +42,8 @@ class Known:
     @classmethod
     def of(cls, fitted: Fit) -> Known:
         """Information of a fit; it is reduced if more than noise is left."""
-        rows = fitted.regression
-        whole = np.vstack([rows.X, np.diag(1.0 / rows.sigma)])
-        return cls(fitted, np.asarray(np.linalg.qr(whole, mode="r")) / np.sqrt(max(1.0, fitted.reduced)))
+        root = np.asarray(np.linalg.qr(fitted.regression.with_priors, mode="r"))
+        return cls(fitted, root / np.sqrt(max(1.0, fitted.reduced)))
 
     @property
     def hypothesis(self) -> Hypothesis:

@@ -17,7 +17,7 @@ from flexdyn.diagnose.hypothesis.unweighted import Unweighted
 from flexdyn.diagnose.hypothesis.workspace import weighed
 from flexdyn.errors import InputError, SimulationError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.model.uncertain_parameters import file_numbers
+from flexdyn.model.uncertain_parameters import file_numbers, with_factors
 
 PAUSES_STEPS = 3
 """Gauss-Newton steps of the file's numbers, by which the equations during pauses are chosen."""
@@ -27,15 +27,17 @@ MANY = 200.0
 """A wider filter is used only if recordings are longer than this multiple of it [1]."""
 
 
-def prepared(model: FlexibleJointModel, data: tuple[Measured, ...]) -> tuple[Unweighted, Hypothesis]:
+def prepared(
+    model: FlexibleJointModel, data: tuple[Measured, ...], start: Hypothesis | None = None
+) -> tuple[Unweighted, Hypothesis]:
     """Equations without weights, whose noise is as the recordings show it, and the numbers to start from.
 
     Raises:
         InputError: all rows are masked.
     """
-    start = Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
+    start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
     noise = recorded_noise(data)
-    bare = Unweighted.of(_filtered(model, data, noise), noise, start.factors)
+    bare = Unweighted.of(_filtered(with_factors(model, {}, start.effects), data, noise), noise, start.factors)
     used = ~bare.mask.reshape(-1, len(bare.equations.kinds))
     if used.sum(axis=0).min() < len(start.factors):  # sweeps of single joints: some equation cannot tell the numbers
         bare = _through_pauses(bare, start)
