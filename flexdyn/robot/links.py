@@ -155,7 +155,7 @@ def _inertial(element: Any, key: str) -> Inertial:
     if mass < 0.0:
         raise fail(mass_element, f"{key}/mass", "negative mass", mass, "give the mass in kg, 0 or more")
     moments = tuple(attribute_number(inertia, name, f"{key}/inertia/{name}") for name in MOMENTS)
-    principal = np.linalg.eigvalsh(_matrix(moments))
+    principal = np.linalg.eigvalsh(_symmetric(moments))
     # Published robots have tiny links whose rounded moments are negative by less than this.
     if principal[0] < -1e-6 * max(1.0, abs(principal[2])):
         remedy = "no body has a negative moment of inertia; check signs and units"
@@ -164,7 +164,7 @@ def _inertial(element: Any, key: str) -> Inertial:
     return Inertial(mass, xyz, rpy, moments)
 
 
-def _matrix(moments: tuple[float, ...]) -> np.ndarray:
+def _symmetric(moments: tuple[float, ...]) -> np.ndarray:
     """The symmetric matrix of six moments in the order of `MOMENTS`."""
     xx, xy, xz, yy, yz, zz = moments
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -178,5 +178,5 @@ def listed_moments(principal: np.ndarray) -> str:
 def spatial_inertia(body: Inertial) -> pin.Inertia:
     """Mass, centre of mass and inertia in the axes of the link's frame."""
     rotation = pin.rpy.rpyToMatrix(np.array(body.rpy))
-    moments = rotation @ _matrix(body.moments) @ rotation.T
+    moments = rotation @ _symmetric(body.moments) @ rotation.T
     return pin.Inertia(body.mass, np.array(body.xyz), moments)

@@ -199,7 +199,8 @@ class Equations(EquationRows):
 
     def lost(self, along: SmoothedMotion, j: int) -> Array:
         """The part of the commanded torque (samples,) that the back-EMF of a motor under voltage takes; else zero."""
-        return np.asarray(self.back_emf(j) * along.omega[:, j])
+        per_speed = sum(law.back_emf / law.gain for law in self.motors[j])
+        return np.asarray(per_speed * along.omega[:, j])
 
     def of_spring(self, j: int, effect: JointEffect) -> Array:
         """Change of the rows (rows,) by an effect more in a transmission whose torque nothing else depends on."""

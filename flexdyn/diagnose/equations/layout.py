@@ -110,10 +110,6 @@ class EquationLayout:
         laws = [law for law in self.true.motor_laws if isinstance(law, DCMotorLaw)]
         return tuple(tuple(law for law in laws if law.joint == name) for name in self.true.joint_names)
 
-    def back_emf(self, j: int) -> float:
-        """Decrease of the torque of a motor under voltage with speed [N m s/rad]."""
-        return sum(law.back_emf / law.gain for law in self.motors[j])
-
     @lazy
     def gains(self) -> Array:
         """True torque over recorded torque (n,): the equations have the scale of the recorded torque.
