@@ -108,9 +108,7 @@ def smoothed(
     return Smoothed(t=t[inner], dt=data.dt, **own, data=data, lost=lost, resting=resting, held=held)
 
 
-def replayed(
-    model: FlexibleJointModel, q: Array, theta: Array, data: Measured, t: Array, simulated: bool = False
-) -> Array:
+def replayed(model: FlexibleJointModel, q: Array, theta: Array, data: Measured, t: Array, simulated: bool) -> Array:
     """Positions of the links (samples, n), those behind prescribed motors by simulation along the record.
 
     Args:

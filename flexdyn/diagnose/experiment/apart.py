@@ -76,7 +76,7 @@ class Refit:
     y: Array
     rows: int
 
-    def left(self, passes: float = 1.0) -> Array:
+    def left(self, passes: float) -> Array:
         """Its residuals in rows of the motion and of the previous information, if the motion is repeated (rows,)."""
         weight = np.ones(len(self.y))
         weight[: self.rows] = np.sqrt(passes)
