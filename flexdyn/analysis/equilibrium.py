@@ -98,6 +98,7 @@ def equilibrium(model: FlexibleJointModel, tau: ByJoint | None = None, *, q_gues
     statics = Statics(model)
 
     def net(q: Array) -> Array:
+        """Net torques on the links (n,), their springs wound by the motors."""
         return statics.net(q, statics.driven_springs(q, asked), asked)[0]
 
     size = np.abs(statics.links.bias(guess, np.zeros(model.n))) + np.abs(asked) + np.abs(net(guess))

@@ -93,6 +93,7 @@ class Statics:
         still = np.zeros(self.model.n)
 
         def lacking(theta: Array) -> Array:
+            """How far the net torques on the links (n,) are above the given ones; 0 on rigid joints."""
             return np.where(self.elastic, self.net(q, theta, still)[0] - net, 0.0)
 
         return self._rotors(lacking, q, self.tolerance(q, lacking(q)))
@@ -105,6 +106,7 @@ class Statics:
         """
 
         def excess(theta: Array) -> Array:
+            """What the springs hold beyond the motors' torques (n,); 0 on rigid joints."""
             return np.where(self.elastic, -self.net(q, theta, tau)[1], 0.0)
 
         return self._rotors(excess, q, self.tolerance(q, excess(q), tau))
@@ -116,6 +118,7 @@ class Statics:
         """
 
         def lacking(tau: Array) -> Array:
+            """How far the net torques on the rotors (n,) are above the given ones."""
             return self.net(q, theta, tau)[1] - net
 
         nothing = np.zeros(self.model.n)

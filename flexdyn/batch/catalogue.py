@@ -129,6 +129,7 @@ def _metric(unit: str, equation: str, *needs: str, missing: str = "") -> Callabl
     """Enter a law into the catalogue: its name is the metric's, the first line of its docstring the description."""
 
     def enter(law: Law) -> Law:
+        """Enter one law, and leave it as it is."""
         kind = RunMetric if needs == ("runs",) else Metric
         about = (law.__doc__ or "").splitlines()[0]
         METRICS[law.__name__] = kind(law.__name__, unit, about, equation, law, needs, missing=missing)

@@ -102,6 +102,7 @@ def _simulated(cases: Cases, numbers: Numbers, count: int, stopped: Callable[[],
     """All runs with these numbers: together where possible, the others one by one."""
 
     def poll(_: int) -> None:
+        """Leave the chunk where it is to stop."""
         if stopped is not None and stopped():
             raise Stopped
 

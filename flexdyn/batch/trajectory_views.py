@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.arrays import Array, Indices
+from flexdyn.arrays import Array, Indices, evenly
 from flexdyn.batch.results import Results
 from flexdyn.plots.arrange import Block
 from flexdyn.plots.palette import INK, blend, hue
@@ -47,7 +47,7 @@ def trajectories(results: Results, channels: Sequence[str], notes: list[str]) ->
         notes: list to which notes about omissions are added.
     """
     times = results.times
-    instants = np.unique(np.linspace(0, len(times) - 1, min(len(times), INSTANTS)).round().astype(np.intp))
+    instants = evenly(len(times), INSTANTS)
     joints = results.joints[:MOST_JOINTS_DRAWN]
     if len(joints) < len(results.joints):
         notes.append(f"Trajectories of the first {MOST_JOINTS_DRAWN} of {len(results.joints)} joints.")

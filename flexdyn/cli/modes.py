@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from flexdyn.analysis.eigenmodes import modes
 from flexdyn.analysis.modes_result import Modes
 from flexdyn.analysis.path import PathFrequencies, frequencies_over_path
+from flexdyn.arrays import evenly
 from flexdyn.cli.output import cell, table
 from flexdyn.errors import placed
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -111,5 +110,5 @@ def along(model: FlexibleJointModel, path: Path) -> PathFrequencies:
     recording = read_recording(path)
     with placed(file=path):
         poses = recording.signal("q", model.joint_names)
-    kept = np.unique(np.linspace(0, len(poses) - 1, PATH_POSES).round().astype(int))
+    kept = evenly(len(poses), PATH_POSES)
     return frequencies_over_path(model, poses[kept])

@@ -21,6 +21,7 @@ def flag(name: str, help: str, instead: Callable[[], None] | None = None) -> Any
     """An option without a value; what it does instead of a command, if anything, is done before others are read."""
 
     def callback(wanted: bool) -> bool:
+        """The flag, or the end of the program after what it does instead."""
         if wanted and instead is not None:
             instead()
             raise typer.Exit

@@ -17,7 +17,7 @@ from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording, write_recording
 from flexdyn.records.files import SUFFIXES
-from flexdyn.simulation.command_input import read_command_file
+from flexdyn.simulation.given_command import read_command_file
 from flexdyn.simulation.limits import enforce_limits
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.solvers import SOLVERS, Solver, make_solver

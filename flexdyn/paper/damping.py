@@ -71,6 +71,7 @@ def _damping_text(cases: PaperCases, found: Mapping[float, Residual], best: floa
     """The prose of the chapter."""
 
     def both(v: float) -> dict[str, Mode]:
+        """The two modes with a coefficient of damping."""
         return dict(zip(("slow", "fast"), paper_modes(cases.arm(v=v), ELBOW), strict=True))
 
     free = both(0.0)

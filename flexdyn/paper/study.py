@@ -107,6 +107,7 @@ def _diagnosis(out: Path, say: Callable[[str], None], place: int) -> tuple[str, 
     title = "friction hidden, and found"
 
     def part(cases: PaperCases) -> Chapter:
+        """The chapter, whose stages are told as they come."""
         return hidden_friction(
             cases, out / FOLDER, lambda stage, share: say(f"{place} of {place}: {title}: {stage}, {100 * share:.0f} %")
         )

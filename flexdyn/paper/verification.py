@@ -49,11 +49,9 @@ def twice_integrated(cases: PaperCases) -> tuple[Run, float]:
     run = simulate(cases.smooth_model(PAPER_V), smooth_samples(), 5.0, solver, rate=250.0)
     arm = cases.arm(v=PAPER_V)
     x0 = np.concatenate([run.q[0], run.theta[0], np.zeros(4)])
-
-    def rate(t: float, x: Array) -> Array:
-        return eq.derivative(arm, x, smooth_torque(t))
-
-    solution = solve_ivp(rate, (0.0, 5.0), x0, "DOP853", run.t, rtol=1e-12, atol=1e-14)
+    solution = solve_ivp(
+        lambda t, x: eq.derivative(arm, x, smooth_torque(t)), (0.0, 5.0), x0, "DOP853", run.t, rtol=1e-12, atol=1e-14
+    )
     return run, float(np.abs(solution.y[:4].T - np.hstack([run.q, run.theta])).max())
 
 

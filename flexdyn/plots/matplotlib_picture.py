@@ -74,9 +74,11 @@ def _draw_head(figure: Any, picture: Picture) -> None:
     """Title, notes and the shared legend."""
 
     def across(inch: float) -> float:
+        """A distance from the left edge, as a share of the width."""
         return inch / picture.width
 
     def up(inch: float) -> float:
+        """A distance from the upper edge, as a height over the lower one, in shares of the height."""
         return 1.0 - inch / picture.height
 
     left = across(LEFT)

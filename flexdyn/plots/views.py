@@ -23,13 +23,11 @@ class View:
     """A panel of every joint.
 
     Attributes:
-        title: of the view.
         up: quantity of the vertical axis.
         traces: the signals in it.
         across: quantity of the horizontal axis; empty: time.
     """
 
-    title: str
     up: str
     traces: tuple[SignalTrace, ...]
     across: str = ""
@@ -37,18 +35,15 @@ class View:
 
 VIEWS: dict[str, View] = {
     "positions": View(
-        "Positions",
         "position",
         (SignalTrace("q", "q: link"), SignalTrace("theta", "theta: rotor, reflected", "dashed")),
     ),
     "velocities": View(
-        "Velocities",
         "velocity",
         (SignalTrace("v", "v: link"), SignalTrace("omega", "omega: rotor, reflected", "dashed")),
     ),
-    "deflection": View("Deflection", "theta - q", (SignalTrace(DEFLECTION, "theta - q: deflection"),)),
+    "deflection": View("theta - q", (SignalTrace(DEFLECTION, "theta - q: deflection"),)),
     "torques": View(
-        "Torques",
         "torque",
         (
             SignalTrace("tau", "tau: commanded"),
@@ -57,7 +52,6 @@ VIEWS: dict[str, View] = {
         ),
     ),
     "phase": View(
-        "Phase plane",
         "velocity",
         (
             SignalTrace("v", "v over q: link", across="q"),
@@ -66,12 +60,11 @@ VIEWS: dict[str, View] = {
         "position",
     ),
     "loops": View(
-        "Torque over deflection",
         "tau_s",
         (SignalTrace("tau_s", "tau_s over theta - q", across=DEFLECTION),),
         "theta - q",
     ),
-    "temperature": View("Temperature", "temperature", (SignalTrace("temperature", "temperature"),)),
+    "temperature": View("temperature", (SignalTrace("temperature", "temperature"),)),
 }
 """Views that have a panel for every joint, by the names that `plot` and ``--view`` take."""
 

@@ -154,14 +154,20 @@ def _inertial(element: Any, key: str) -> Inertial:
     mass = attribute_number(mass_element, "value", f"{key}/mass")
     if mass < 0.0:
         raise fail(mass_element, f"{key}/mass", "negative mass", mass, "give the mass in kg, 0 or more")
-    xx, xy, xz, yy, yz, zz = (attribute_number(inertia, name, f"{key}/inertia/{name}") for name in MOMENTS)
-    principal = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    moments = tuple(attribute_number(inertia, name, f"{key}/inertia/{name}") for name in MOMENTS)
+    principal = np.linalg.eigvalsh(_symmetric(moments))
     # Published robots have tiny links whose rounded moments are negative by less than this.
     if principal[0] < -1e-6 * max(1.0, abs(principal[2])):
         remedy = "no body has a negative moment of inertia; check signs and units"
         raise fail(inertia, f"{key}/inertia", "not positive semi-definite", listed_moments(principal), remedy)
     xyz, rpy = pose_of(element, key)
-    return Inertial(mass, xyz, rpy, (xx, xy, xz, yy, yz, zz))
+    return Inertial(mass, xyz, rpy, moments)
+
+
+def _symmetric(moments: tuple[float, ...]) -> np.ndarray:
+    """The symmetric matrix of six moments in the order of `MOMENTS`."""
+    xx, xy, xz, yy, yz, zz = moments
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def listed_moments(principal: np.ndarray) -> str:
@@ -171,7 +177,6 @@ def listed_moments(principal: np.ndarray) -> str:
 
 def spatial_inertia(body: Inertial) -> pin.Inertia:
     """Mass, centre of mass and inertia in the axes of the link's frame."""
-    xx, xy, xz, yy, yz, zz = body.moments
     rotation = pin.rpy.rpyToMatrix(np.array(body.rpy))
-    moments = rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ rotation.T
+    moments = rotation @ _symmetric(body.moments) @ rotation.T
     return pin.Inertia(body.mass, np.array(body.xyz), moments)

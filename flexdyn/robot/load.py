@@ -95,6 +95,7 @@ def _model_of(urdf: Urdf) -> Normalised:
     ordered = [moving[joint] for joint in list(made.model.names)[1:]]
 
     def column(attribute: str) -> np.ndarray:
+        """One number of every joint that moves."""
         return np.array([getattr(joint, attribute) for joint in ordered], dtype=float)
 
     write_limits(made.model, column("lower"), column("upper"), column("velocity"), column("effort"), column("friction"))

@@ -104,6 +104,7 @@ def _copy_numbers(old: pin.Model, new: pin.Model, motions: list[JointMotion]) ->
     at_q, at_v = ([index[j + 1] for j in own] for index in (old.idx_qs, old.idx_vs))
 
     def column(values: np.ndarray, at: list[int], otherwise: float) -> np.ndarray:
+        """One number of every joint: Pinocchio's where it has one."""
         found = np.full(new.nv, otherwise)
         found[own] = values[at]
         return found

@@ -16,13 +16,13 @@ from flexdyn.errors import SimulationError
 from flexdyn.io.locked import Locked
 from flexdyn.io.notebook import Public
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.simulation.command_input import lower_wrenches
 from flexdyn.simulation.inputs_and_signals import SIGNALS
 from flexdyn.simulation.laws import acting_effects
 from flexdyn.simulation.link_side import LinkSide
 from flexdyn.simulation.plant import build_plant
 from flexdyn.simulation.solver_choice import core_settings
 from flexdyn.simulation.solvers import RungeKutta4, Solver, TimeStepping
+from flexdyn.simulation.wrenches import lower_wrenches
 
 if TYPE_CHECKING:
     from flexdyn.simulation.run import Run

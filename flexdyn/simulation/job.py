@@ -16,7 +16,7 @@ from flexdyn.control.samples import Samples
 from flexdyn.control.setting_checks import checked_rate
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
-from flexdyn.simulation.command_input import Drive, lower_wrenches, make_drive
+from flexdyn.simulation.command_input import Drive, make_drive
 from flexdyn.simulation.initial_state import first_state
 from flexdyn.simulation.inputs_and_signals import SIGNALS, Inputs
 from flexdyn.simulation.limits import exceeded
@@ -32,6 +32,7 @@ from flexdyn.simulation.solvers import (
     TimeStepping,
 )
 from flexdyn.simulation.stopped import stopped
+from flexdyn.simulation.wrenches import lower_wrenches
 
 MAX_STEPS = 1e15  # years of computing; beyond it the core's step counter would overflow
 MAX_SAMPLES = 20_000_000  # 7.8 GB for seven joints: more is a typing error, and the process would be killed

@@ -79,6 +79,7 @@ def _law_call(effect: JointEffect) -> Any:
     """What the core calls: a law in Python with plain numbers."""
 
     def call(t: float, x: float, u: float, tau: float) -> float:
+        """The law's torque, as a plain number."""
         return float(effect.torque(x, u, t=t, tau=tau))
 
     return call

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from flexdyn.arrays import Array
+from flexdyn.arrays import Array, evenly
 from flexdyn.robot import Robot
 from flexdyn.viewer.bodies import Body, tip_of
 
@@ -63,9 +63,9 @@ def extent(robot: Robot, q: Array, bodies: Sequence[Body]) -> Extent:
     return Extent(low, high)
 
 
-def thinned(q: Array, most: int = EXTENT_SAMPLES) -> Array:
-    """At most so many rows, the first and the last included."""
-    return np.asarray(q[np.unique(np.linspace(0, len(q) - 1, min(len(q), most)).astype(int))])
+def thinned(q: Array) -> Array:
+    """At most `EXTENT_SAMPLES` rows, the first and the last included."""
+    return np.asarray(q[evenly(len(q), EXTENT_SAMPLES)])
 
 
 def _moved(places: Array, joint: int, point: Array) -> Array:

@@ -49,6 +49,7 @@ class PlayedMotion:
         """The motion at other times, interpolated linearly, constant before the first and after the last sample."""
 
         def moved(table: Array) -> Array:
+            """The columns of a table (samples, n) at the other times."""
             return np.column_stack([np.interp(times, self.t, column) for column in table.T])
 
         return replace(self, t=times, q=moved(self.q), deflection=moved(self.deflection))

@@ -11,7 +11,7 @@ from flexdyn.control.servo import Servo
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
-from flexdyn.simulation.command_input import measured_state, resolve_command
+from flexdyn.simulation.given_command import measured_state, resolve_command
 from flexdyn.simulation.run import Run
 from flexdyn.simulation.simulate import simulate
 from flexdyn.viewer.motion import PlayedMotion, of_run

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.simulation.command_input import make_drive, read_command_file
+from flexdyn.simulation.command_input import make_drive
+from flexdyn.simulation.given_command import read_command_file
 from tests.arms import repickled
 
 

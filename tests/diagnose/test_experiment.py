@@ -159,7 +159,7 @@ def test_a_motion_that_cannot_be_simulated_is_left_out(tmp_path: Path, monkeypat
 def test_motions_stay_within_what_was_seen(tmp_path: Path) -> None:
     """Range, speed and, but for a little where a sine begins, acceleration of every motion that is proposed."""
     equations = Question(tmp_path, [at_one_speed(COULOMB)]).space.equations
-    reach = Reach.of(equations)
+    reach = Reach.of(equations, equations.true)
     made = moves(reach, 0, equations.true, reach.poses[0])
     assert len({each.words for each in made}) == len(made) == 10
     for each in made:

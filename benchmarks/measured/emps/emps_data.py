@@ -12,7 +12,8 @@ from scipy import signal
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.equations.motion import Smoothed, motion
+from flexdyn.diagnose.equations.motion import motion
+from flexdyn.diagnose.equations.smoothed import Smoothed
 from flexdyn.diagnose.equations.terms import joint_terms
 
 Array = NDArray[np.float64]

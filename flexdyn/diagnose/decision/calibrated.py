@@ -17,7 +17,7 @@ WEIGHTINGS, STEPS = 4, 4
 def calibrated(plain: Workspace, start: Hypothesis) -> Fit:
     """Fit the numbers of the file, with no effect added.
 
-    An unexplained gap displaces them only a little, because the weights include the remaining model error.
+    An unexplained gap displaces them only a little, because the weights include the model error that is left.
 
     Args:
         plain: the equations of the model as given, with the sensors' weights.
@@ -26,7 +26,12 @@ def calibrated(plain: Workspace, start: Hypothesis) -> Fit:
     Returns:
         The fit; its hypothesis is within three tolerances, and its equations are those of the hypothesis.
     """
-    return within(reweighted(plain, start))
+    at, here = plain.equations, start
+    for _ in range(WEIGHTINGS):
+        work = tempered(plain, error_of(plain, at.of(here.model()).residual))
+        made = fit(here, work, steps=STEPS)
+        here = made.hypothesis
+    return within(made)
 
 
 def within(made: Fit) -> Fit:
@@ -35,18 +40,3 @@ def within(made: Fit) -> Fit:
     if here.factors == made.hypothesis.factors:
         return made
     return dataclasses.replace(made, hypothesis=here, equations=made.equations.of(here.model()))
-
-
-def reweighted(plain: Workspace, start: Hypothesis) -> Fit:
-    """Fit a hypothesis under the model error that it leaves.
-
-    Args:
-        plain: the equations of the model as given, with the sensors' weights.
-        start: the hypothesis.
-    """
-    at, here = plain.equations, start
-    for _ in range(WEIGHTINGS):
-        work = tempered(plain, error_of(plain, at.of(here.model()).residual))
-        made = fit(here, work, steps=STEPS)
-        here = made.hypothesis
-    return made

@@ -5,25 +5,17 @@ They are compared on the linear equations, together with the numbers of the file
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-
-import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.constants import WORTHWHILE_GAIN
 from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.decision.first_regression import FirstRegression
 from flexdyn.diagnose.decision.unknown_laws import Choice, Unknown
-from flexdyn.diagnose.decision.unknown_stiffnesses import weighted_regression
 from flexdyn.diagnose.equations.columns import of_effect
 from flexdyn.diagnose.equations.equations import Equations
-from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.hypothesis.regression import Regression
-from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
-from flexdyn.diagnose.inference.model_error import ModelError
-from flexdyn.diagnose.inference.weights import rows_of
 from flexdyn.effects import Effect, effect_from_dict, registered
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
@@ -51,30 +43,32 @@ def first_laws(model: FlexibleJointModel, unknown: Mapping[int, Unknown], data: 
     """
     if not unknown:
         return {}
-    compared = _Comparison.of(model, data)
+    plain = FirstRegression.of(model, data, _friction_of_motors)
+    compared = plain.weighted(plain.solved())
     choices = {i: each.choices(compared.space.equations, compared.space.whiten) for i, each in unknown.items()}
     chosen: dict[int, Choice] = {}
     for _ in range(CHOICES_OF_ALL):
         for i, tried in choices.items():
             chosen.pop(i, None)
-            allowed = [each for each in tried if compared.effect(each, chosen.values()) is not None]
+            allowed = [each for each in tried if _with_best_numbers(compared, each, chosen.values()) is not None]
             if not allowed:
                 raise _untold(i, unknown[i])
-            chosen[i] = min(allowed, key=lambda each: compared.left(each, *chosen.values()))
-        compared = compared.weighted(tuple(chosen.values()))
+            chosen[i] = min(allowed, key=lambda each: _fitted(compared, [each, *chosen.values()]).chi2)
+        compared = compared.weighted(_fitted(compared, list(chosen.values())))
     return {i: _begun_with(i, chosen, choices[i], compared) for i in unknown}
 
 
 def _begun_with(
-    i: int, chosen: Mapping[int, Choice], tried: Sequence[Choice], compared: _Comparison
+    i: int, chosen: Mapping[int, Choice], tried: Sequence[Choice], compared: FirstRegression
 ) -> tuple[Effect, dict[str, float]]:
     """An effect with its first values, and the widths of its priors."""
     own, others = chosen[i], [each for k, each in chosen.items() if k != i]
-    every = [compared.left(*others)] if own.unknown.may_be_none else [compared.left(each, *others) for each in tried]
-    made = compared.effect(own, others)
-    if made is None or 0.5 * (max(every) - compared.left(own, *others)) < WORTHWHILE_GAIN:
+    sets = [others] if own.unknown.may_be_none else [[each, *others] for each in tried]
+    gain = max(_fitted(compared, each).chi2 for each in sets) - _fitted(compared, [own, *others]).chi2
+    made = _with_best_numbers(compared, own, others)
+    if made is None or 0.5 * gain < WORTHWHILE_GAIN:
         raise _untold(i, own.unknown)
-    laws = [each for each in (compared.effect(one, others) for one in tried) if each is not None]
+    laws = [each for each in (_with_best_numbers(compared, one, others) for one in tried) if each is not None]
     widths = {}
     for name in own.unknown.names:
         if name not in made.linear:
@@ -89,62 +83,23 @@ def _untold(i: int, unknown: Unknown) -> InputError:
     return InputError("these data do not tell it", key=f"effects[{i}].{name}", value=UNKNOWN, remedy=remedy)
 
 
-@dataclass(frozen=True, eq=False)
-class _Comparison:
-    """Least squares of effects beside the numbers of the file.
-
-    Attributes:
-        space: of the model without the effects.
-        y: white residual (rows,).
-        X: of the file's numbers and of the friction that every motor has (rows, columns).
-        sigma: prior standard deviations of these columns; inf: none.
-        size: what each equation leaves, in standard deviations of its noise (equations,).
-    """
-
-    space: Workspace
-    y: Array
-    X: Array
-    sigma: Array
-    size: Array
-
-    @classmethod
-    def of(cls, model: FlexibleJointModel, data: tuple[Measured, ...]) -> _Comparison:
-        bare, start = prepared(model, data)
-        space = weighed(bare)
-        friction = [of_effect(bare.equations, each) for each in _of_every_motor(bare.equations)]
-        sigma = [max(number.tolerance, 1e-9) for number in start.factors] + [math.inf] * len(friction)
-        X = np.column_stack([space.numbers, space.whiten(np.column_stack(friction))])
-        y = space.whiten(bare.equations.residual)
-        return cls(space, y, X, np.array(sigma), np.ones(len(bare.equations.kinds))).weighted(())
-
-    def weighted(self, chosen: Sequence[Choice]) -> _Comparison:
-        """The same with the weights of what these effects leave."""
-        plain = self._made(chosen)
-        left = plain.left[: len(self.y)].reshape(-1, len(self.size)) * self.size
-        seen = rows_of(self.space.bare)
-        return dataclasses.replace(self, size=ModelError.of(left, seen).scale)
-
-    def left(self, *chosen: Choice) -> float:
-        """Sum of squares."""
-        return self._made(chosen).chi2
-
-    def effect(self, own: Choice, others: Iterable[Choice]) -> Effect | None:
-        """A choice with its best linear numbers; None: it has none."""
-        first = self.X.shape[1]
-        return own.effect(self._made([own, *others]).values[first : first + len(own.free)])
-
-    def _made(self, chosen: Sequence[Choice]) -> Regression:
-        y = self.y + sum((each.held for each in chosen), np.zeros_like(self.y))
-        X = np.column_stack([self.X, *(each.rows for each in chosen), self.space.nuisance])
-        free = sum(each.rows.shape[1] for each in chosen)
-        return weighted_regression(self.space, y, X, np.append(self.sigma, np.full(free, math.inf)), self.size)
+def _fitted(compared: FirstRegression, chosen: Sequence[Choice]) -> Regression:
+    """The regression of some effects beside the numbers of the file."""
+    return compared.solved([each.rows for each in chosen], [each.held for each in chosen])
 
 
-def _of_every_motor(equations: Equations) -> list[Effect]:
-    """Friction that every motor has, of unit size, at every joint."""
+def _with_best_numbers(compared: FirstRegression, own: Choice, others: Iterable[Choice]) -> Effect | None:
+    """A choice with its best linear numbers beside others; None: it has none."""
+    first = compared.X.shape[1]
+    return own.effect(_fitted(compared, [own, *others]).values[first : first + len(own.free)])
+
+
+def _friction_of_motors(equations: Equations) -> list[Array]:
+    """Rows (rows,) of the friction that every motor has, of unit size, at every joint."""
     kinds = [each for each in registered().values() if each.prevalence == "everywhere" and each.regressed]
-    return [
+    made = (
         effect_from_dict({"effect": kind.name, "joint": joint, "side": "motor", **dict.fromkeys(kind.linear, 1.0)})
         for joint in equations.true.joint_names
         for kind in kinds
-    ]
+    )
+    return [of_effect(equations, each) for each in made]

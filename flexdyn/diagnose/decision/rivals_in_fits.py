@@ -75,8 +75,7 @@ def _with_plainer(here: Hypothesis, candidate: Candidate, plainer: Candidate) ->
     if effect is None or not all(hasattr(effect, name) for name in names):
         return None
     numbers = {name: getattr(effect, name) for name in names}
-    instead = effect_from_dict({"effect": plainer.kind, **plainer.place, **numbers})
-    return dataclasses.replace(here, effects=tuple(instead if each is effect else each for each in here.effects))
+    return here.with_instead(effect, effect_from_dict({"effect": plainer.kind, **plainer.place, **numbers}))
 
 
 def _swapped(space: Space, best: Structure) -> list[tuple[Structure, Hypothesis]]:

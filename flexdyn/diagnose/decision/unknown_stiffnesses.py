@@ -7,17 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexdyn.arrays import Array
 from flexdyn.diagnose.constants import SHOWN_DEFLECTION
 from flexdyn.diagnose.data.measured import Measured
+from flexdyn.diagnose.decision.first_regression import FirstRegression
 from flexdyn.diagnose.decision.unknown_laws import without_unknown
 from flexdyn.diagnose.equations.compliance import of_compliance
 from flexdyn.diagnose.equations.layout import TRANSMISSION
-from flexdyn.diagnose.hypothesis.prepared import prepared
-from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.diagnose.hypothesis.unknown_numbers import with_guesses
-from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
-from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.weights import rows_of
 from flexdyn.diagnose.report.digits import value_text
 from flexdyn.diagnose.report.suspects import CONFIDENCE
@@ -85,33 +81,20 @@ def _compliances(
         seen: those of them that have both encoders.
         data: of the fit.
     """
-    bare, start = prepared(with_guesses(taken_for_rigid(model, unknown)), data)
-    space, at = weighed(bare), [model.index(name) for name in seen]
-    slopes = space.whiten(np.column_stack([of_compliance(bare.equations, j) for j in at]))
-    sigma = [max(number.tolerance, 1e-9) for number in start.factors] + [math.inf] * len(seen)
-    y, kinds = space.whiten(bare.equations.residual), bare.equations.kinds
-    X = np.column_stack([space.numbers, slopes, space.nuisance])
-    told, size = rows_of(bare), np.ones(len(kinds))
+    at = [model.index(name) for name in seen]
+    rigid = with_guesses(taken_for_rigid(model, unknown))
+    now = FirstRegression.of(rigid, data, lambda equations: [of_compliance(equations, j) for j in at])
     for _ in range(WEIGHTINGS):
-        made = weighted_regression(space, y, X, np.array(sigma), size)
-        size = ModelError.of(y + X @ made.values, told).scale
-    spread = np.sqrt(np.diag(made.covariance))
+        made = now.solved()
+        now = now.weighted(made)
+    kinds, first = now.space.equations.kinds, now.X.shape[1] - len(seen)
+    spread, told = np.sqrt(np.diag(made.covariance)), rows_of(now.space.bare)
     found = {}
-    for k, (name, j) in enumerate(zip(seen, at, strict=True)):
-        place, row = len(start.factors) + k, kinds.index((j, TRANSMISSION))
-        done = float(made.values[place]) * slopes[:, k].reshape(-1, len(kinds))[:, row]
+    for place, (name, j) in enumerate(zip(seen, at, strict=True), start=first):
+        row = kinds.index((j, TRANSMISSION))
+        done = float(made.values[place]) * now.X[:, place].reshape(-1, len(kinds))[:, row]
         found[name] = float(made.values[place]), float(spread[place]), float(done @ done) / float(told.count[row])
     return found
-
-
-def weighted_regression(space: Workspace, y: Array, X: Array, sigma: Array, size: Array) -> Regression:
-    """Least squares of white rows whose equations leave so many times their noise (equations,).
-
-    The last columns are the nuisances; `sigma` has the priors' standard deviations of the others.
-    """
-    row = np.tile(size, len(y) // len(size))
-    sigma = np.concatenate([sigma, space.nuisance_sigma])
-    return Regression(y / row, X / row[:, None], np.zeros(len(sigma)), sigma, space.rows, space.nuisance.shape[1])
 
 
 def taken_for_rigid(model: FlexibleJointModel, joints: Sequence[str]) -> FlexibleJointModel:

@@ -53,7 +53,8 @@ def check_encoders(model: FlexibleJointModel, data: Measured) -> None:
 
 def _looks(model: FlexibleJointModel, j: int) -> list[tuple[float, str, str]]:
     """Slopes of theta over q for possible mistakes, with the mistake and the remedy."""
-    joint, ratio = model.joint_names[j], list(model.joints.values())[j].gear_ratio
+    joint = model.joint_names[j]
+    ratio = model.joints[joint].gear_ratio
     small, unit = ("mm", 1e3) if model.robot.kinds[j] == "prismatic" else ("degrees", DEGREE)
     looks = [
         (-1.0, "theta and q have opposite signs", f"change the sign of theta.{joint} or q.{joint}"),

@@ -146,7 +146,10 @@ def wound_by_torque(model: FlexibleJointModel, j: int, carried: Array) -> Array:
 
 
 def steepness(model: FlexibleJointModel, j: int, seen: Array) -> Array:
-    """Slope of the spring's torque (samples,) at deflections (samples,) [N m/rad or N/m]."""
+    """Slope of the spring's torque (samples,) at deflections (samples,) [N m/rad or N/m], as a response takes it.
+
+    Without gaps, and within the limits that Newton's method needs; `terms.spring_slope` has the gaps and no limits.
+    """
     return _spring(model, j, seen)[1] if _springs(model, j) else np.full(len(seen), model.stiffness[j])
 
 

@@ -14,10 +14,12 @@ from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import true_channels
 from flexdyn.diagnose.equations.computed_positions import acting_on
-from flexdyn.diagnose.equations.layout import MOTOR, EquationLayout
-from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
+from flexdyn.diagnose.equations.layout import MOTOR
+from flexdyn.diagnose.equations.motion import SmoothedMotion, motion
 from flexdyn.diagnose.equations.rest import Rests
+from flexdyn.diagnose.equations.rows import EquationRows
 from flexdyn.diagnose.equations.shared import SharedResults, same_links, same_signals
+from flexdyn.diagnose.equations.smoothed import Smoothed, smoothed
 from flexdyn.diagnose.equations.terms import joint_terms, spring_torque
 from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.diagnose.parallel import SILENT, in_parallel
@@ -36,7 +38,7 @@ TORQUES_KEPT = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Equations(EquationLayout):
+class Equations(EquationRows):
     """The equations of a model along measured motions.
 
     Attributes:
@@ -214,7 +216,8 @@ class Equations(EquationLayout):
 
     def lost(self, along: SmoothedMotion, j: int) -> Array:
         """The part of the commanded torque (samples,) that the back-EMF of a motor under voltage takes; else zero."""
-        return np.asarray(self.back_emf(j) * along.omega[:, j])
+        per_speed = sum(law.back_emf / law.gain for law in self.motors[j])
+        return np.asarray(per_speed * along.omega[:, j])
 
     def of_spring(self, j: int, effect: JointEffect) -> Array:
         """Change of the rows (rows,) by an effect more in a transmission whose torque nothing else depends on."""

@@ -10,7 +10,8 @@ import numpy as np
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import true_channels
-from flexdyn.diagnose.equations.motion import Smoothed, SmoothedMotion, motion, smoothed
+from flexdyn.diagnose.equations.motion import SmoothedMotion, motion
+from flexdyn.diagnose.equations.smoothed import Smoothed, smoothed
 from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records.signals.kernels import GaussianSmoother

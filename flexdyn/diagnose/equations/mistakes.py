@@ -113,8 +113,8 @@ def mistakes(model: FlexibleJointModel, seen: Match) -> Iterator[Mistake]:
 
 def torque_unit(model: FlexibleJointModel, j: int, gain: float) -> tuple[float, str, str] | None:
     """The error factor of a torque, its probable cause and the remedy; None if it seems right."""
-    name, ratio = model.joint_names[j], list(model.joints.values())[j].gear_ratio
-    unit = model.robot.torque_unit(j)
+    name, unit = model.joint_names[j], model.robot.torque_unit(j)
+    ratio = model.joints[name].gear_ratio
     known = [
         (-1.0, "its sign, or that of the joint's positions, is flipped", f"change the sign of tau.{name}"),
         (1e3, f"it looks like m{unit}", f"divide tau.{name} by 1000 ({unit} are wanted)"),
@@ -166,7 +166,7 @@ def _of_positions(model: FlexibleJointModel, joints: tuple[int, ...]) -> Iterato
         return Mistake(f"the positions of {names} {problem}", remedy, joints, scale=scale, torque_scale=torque_scale)
 
     turns = [model.robot.kinds[j] != "prismatic" for j in joints]
-    ratios = [list(model.joints.values())[j].gear_ratio for j in joints]
+    ratios = [model.joints[model.joint_names[j]].gear_ratio for j in joints]
     wide = [ratio if abs(ratio) > SMALLEST_CHECKED_RATIO else 1.0 for ratio in ratios]
     unit, right = ("degrees", "rad") if all(turns) else ("degrees and mm", "rad and m") if any(turns) else ("mm", "m")
     doubtful = any(turn and 0.8 < abs(r) / DEGREE < 1.25 for turn, r in zip(turns, ratios, strict=True))

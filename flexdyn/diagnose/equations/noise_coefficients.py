@@ -46,9 +46,7 @@ def passed_torque(equations: Equations, along: SmoothedMotion, j: int) -> Coeffi
     Root mean square over a row's filter; without limits the motor's gain.
     """
     slope = torque_slope(acting_on(equations.true, j), along, j)
-    if slope is None:
-        return float(equations.gains[j])
-    return np.sqrt(np.maximum(equations.filters.rows(slope**2), 0.0))
+    return float(equations.gains[j]) if slope is None else _rms(equations, slope)
 
 
 def _stiffness(equations: Equations, along: SmoothedMotion, j: int) -> Coefficient:
@@ -57,8 +55,11 @@ def _stiffness(equations: Equations, along: SmoothedMotion, j: int) -> Coefficie
     Root mean square over a row's filter; that of a linear spring is its stiffness.
     """
     slope = spring_slope(equations.true, acting_on(equations.true, j), along, j)
-    if slope is None:
-        return float(equations.true.stiffness[j])
+    return float(equations.true.stiffness[j]) if slope is None else _rms(equations, slope)
+
+
+def _rms(equations: Equations, slope: Array) -> Array:
+    """Root mean square over a row's filter (times,) of a slope (samples,)."""
     return np.sqrt(np.maximum(equations.filters.rows(slope**2), 0.0))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +24,7 @@ def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: in
 
     What bends the torque acts before the filters, where it was recorded; after them where the command comes late.
     """
-    acting = sorted((e for e in effects if e.stage == "actuator"), key=lambda e: e.order)
+    acting = _in_order(effects)
     late = any(each.late_by for each in acting)
     if motion.held is None or late or not any(each.of_recorded_torque for each in acting):
         return _through_actuator(acting, motion.t, motion.theta[:, j], motion.omega[:, j], motion.tau[:, j])
@@ -36,15 +36,22 @@ def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: in
 
 def torque_slope(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array | None:
     """Slope of tau_applied over tau (samples,) [1], by differences; None: no effect bends the torque."""
-    acting = sorted((e for e in effects if e.stage == "actuator"), key=lambda e: e.order)
+    acting = _in_order(effects)
     if not any(each.of_recorded_torque for each in acting):
         return None
-    tau = motion.tau[:, j]
-    step = SLOPE_STEP * max(float(np.abs(tau).max()), 1e-300)
-    above, below = (
-        _through_actuator(acting, motion.t, motion.theta[:, j], motion.omega[:, j], tau + x) for x in (step, -step)
-    )
-    return np.asarray((above - below) / (2.0 * step))
+    theta, omega = motion.theta[:, j], motion.omega[:, j]
+    return _slope(lambda tau: _through_actuator(acting, motion.t, theta, omega, tau), motion.tau[:, j])
+
+
+def _in_order(effects: Sequence[JointEffect]) -> list[JointEffect]:
+    """The effects on the motor's torque, the first to act first."""
+    return sorted((e for e in effects if e.stage == "actuator"), key=lambda e: e.order)
+
+
+def _slope(law: Callable[[Array], Array], at: Array) -> Array:
+    """Slope of a law (samples,) at the arguments (samples,), by central differences."""
+    step = SLOPE_STEP * max(float(np.abs(at).max()), 1e-300)
+    return np.asarray((law(at + step) - law(at - step)) / (2.0 * step))
 
 
 def _through_actuator(acting: Sequence[JointEffect], t: Array, theta: Array, omega: Array, tau: Array) -> Array:
@@ -75,16 +82,13 @@ def spring_slope(
 ) -> Array | None:
     """Slope of the springs' torque over the deflection (samples,) [N m/rad or N/m]; None: the spring is linear.
 
-    By differences. What remembers the way of the deflection follows its noise in part; here it does not.
+    By differences; zero in a gap. What remembers the way of the deflection follows its noise in part; here it does not.
     """
     bent = [e for e in effects if isinstance(e, DeflectionEffect) or (e.bends_spring and e.stage == "spring")]
     bent = [e for e in bent if not isinstance(e, MemoryEffect)]
     if not bent:
         return None
-    true = motion.delta[:, j]
-    step = SLOPE_STEP * max(float(np.abs(true).max()), 1e-300)
-    above, below = (_springs_at(model, bent, motion, j, true + x)[0] for x in (step, -step))
-    return np.asarray((above - below) / (2.0 * step))
+    return _slope(lambda delta: _springs_at(model, bent, motion, j, delta)[0], motion.delta[:, j])
 
 
 def _springs_at(

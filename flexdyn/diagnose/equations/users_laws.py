@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from flexdyn.arrays import Array
+from flexdyn.arrays import Array, evenly
 from flexdyn.effects import Effect
 from flexdyn.errors import InputError
 
@@ -55,7 +55,7 @@ def _at_once(effect: Effect, x: Array, u: Array, t: Array, tau: Array) -> Array 
         whole = np.array(np.broadcast_to(out, x.shape))
     except Exception:  # the error is reported for single numbers
         return None
-    for k in np.linspace(0, len(x) - 1, min(TRIED, len(x))).astype(int):
+    for k in evenly(len(x), TRIED):
         alone = _single(effect, float(x[k]), float(u[k]), float(t[k]), float(tau[k]))
         if not np.isclose(alone, whole[k], rtol=1e-9, atol=1e-12, equal_nan=True):
             return None

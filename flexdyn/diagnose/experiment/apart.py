@@ -42,9 +42,8 @@ class Known:
     @classmethod
     def of(cls, fitted: Fit) -> Known:
         """Information of a fit; it is reduced if more than noise is left."""
-        rows = fitted.regression
-        whole = np.vstack([rows.X, np.diag(1.0 / rows.sigma)])
-        return cls(fitted, np.asarray(np.linalg.qr(whole, mode="r")) / np.sqrt(max(1.0, fitted.reduced)))
+        root = np.asarray(np.linalg.qr(fitted.regression.with_priors, mode="r"))
+        return cls(fitted, root / np.sqrt(max(1.0, fitted.reduced)))
 
     @property
     def hypothesis(self) -> Hypothesis:
@@ -77,7 +76,7 @@ class Refit:
     y: Array
     rows: int
 
-    def left(self, passes: float = 1.0) -> Array:
+    def left(self, passes: float) -> Array:
         """Its residuals in rows of the motion and of the previous information, if the motion is repeated (rows,)."""
         weight = np.ones(len(self.y))
         weight[: self.rows] = np.sqrt(passes)

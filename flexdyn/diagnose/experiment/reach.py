@@ -55,13 +55,13 @@ class Reach:
     kd: Array
 
     @classmethod
-    def of(cls, equations: Equations, calibrated: FlexibleJointModel | None = None) -> Reach:
+    def of(cls, equations: Equations, calibrated: FlexibleJointModel) -> Reach:
         """Of recordings; limits of the robot's description narrow it.
 
         Args:
             equations: of the recordings.
             calibrated: the model with the numbers that were estimated, for the controller's gains: a rotor inertia may
-                not have been known. None: as it was given.
+                not have been known.
         """
         motions, true, robot = equations.motions, equations.true, equations.true.robot
         q = np.concatenate([each.q for each in motions])
@@ -70,7 +70,7 @@ class Reach:
         v, a = (np.abs(np.concatenate([getattr(each, name) for each in motions])) for name in ("v", "a"))
         speed, acceleration = (np.percentile(each, GREATEST_PERCENTILE, axis=0) for each in (v, a))
         torque = np.max([np.abs(each.data.tau).max(axis=0) for each in motions], axis=0)
-        numbers = true if calibrated is None else calibrated.resolved()
+        numbers = calibrated.resolved()
         inertia = np.diag(LinkSide(numbers).mass_matrix(middle)) + np.where(true.elastic, numbers.rotor_inertia, 0.0)
         own = np.sqrt(np.where(true.elastic, numbers.stiffness, np.inf) / inertia)
         bandwidth = np.minimum(CONTROLLER_BANDWIDTH, SPRING_FREQUENCY_SHARE * own)

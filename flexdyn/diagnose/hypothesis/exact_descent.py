@@ -46,8 +46,7 @@ def descended(made: Fit) -> Fit:
 
 def _information(made: Fit) -> Array:
     """Of the numbers and unknowns, the nuisances fitted beside them."""
-    left = made.regression
-    whole = np.vstack([left.X, np.diag(1.0 / left.sigma)])
+    left, whole = made.regression, made.regression.with_priors
     known = left.X.shape[1] - left.nuisances
     columns, nuisance = whole[:, :known], whole[:, known:]
     apart = columns - nuisance @ np.linalg.lstsq(nuisance, columns, rcond=1e-12)[0] if left.nuisances else columns

@@ -64,6 +64,10 @@ class Hypothesis:
             factors[number] = float(np.clip(factors[number], 1.0 - most, 1.0 + most))
         return dataclasses.replace(self, factors=factors)
 
+    def with_instead(self, effect: Effect, other: Effect) -> Hypothesis:
+        """The same with another effect in the place of one of its effects."""
+        return dataclasses.replace(self, effects=tuple(other if each is effect else each for each in self.effects))
+
     def unknowns(self) -> list[tuple[Effect, str]]:
         """Parameters of the added effects that are estimated."""
         return [

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from flexdyn.arrays import Array
+from flexdyn.arrays import Array, evenly
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.effects import JointEffect
@@ -35,7 +35,7 @@ class OwnLaw:
         motions = equations.motions
         columns = [np.concatenate([getattr(each, name)[:, j] for each in motions]) for name in (x, u, "tau")]
         self.whole = [*columns, np.concatenate([each.t for each in motions])]
-        some = np.linspace(0, len(self.whole[0]) - 1, min(LINEARITY_SAMPLES, len(self.whole[0]))).astype(int)
+        some = evenly(len(self.whole[0]), LINEARITY_SAMPLES)
         self.some = [column[some] for column in self.whole]
 
     def effect(self, numbers: Mapping[str, float]) -> JointEffect:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable, Iterator, Sequence
 
+from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.proposal import Proposal, declared, extent_of
 from flexdyn.effects import Effect, JointEffect, SensorEffect, catalogue
@@ -73,8 +74,7 @@ def _on_side(
 ) -> Iterator[Proposal]:
     """Proposals for one side of a joint; a rigid joint has no transmission, but may be elastic after all."""
     elastic = bool(true.elastic[true.index(joint)])
-    there = [each for each in true.all_effects if isinstance(each, JointEffect) and each.joint == joint]
-    beside = {each.name for each in there if each.side == side}
+    beside = {each.name for each in acting_on(true, true.index(joint)) if each.side == side}
     for kind in kinds:
         possible = elastic != bool(kind.makes_elastic) if side == "transmission" else elastic or not kind.takes_load
         if side in kind.sides and possible:

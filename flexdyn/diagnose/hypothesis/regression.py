@@ -78,6 +78,11 @@ class Regression:
         return float(after @ after)
 
     @property
+    def with_priors(self) -> Array:
+        """X, and below it the rows of the priors (rows + columns, columns)."""
+        return np.vstack([self.X, np.diag(1.0 / self.sigma)])
+
+    @property
     def chi2(self) -> float:
         """Sum of squares of rows and priors."""
         return float(self.left @ self.left)

@@ -31,25 +31,24 @@ class Autoregression:
         return len(self.scale) - 1
 
     @classmethod
-    def of(cls, series: Array, runs: Indices, most: int = MOST_ORDER) -> Autoregression:
+    def of(cls, series: Array, runs: Indices) -> Autoregression:
         """Estimate by Burg's method over the runs of rows that say something.
 
         Args:
             series: rows of one equation, white but for the model error (rows,).
             runs: how many such rows stand in line right before each row; -1 where a row says nothing (rows,).
-            most: order at most.
         """
         valid = runs >= 0
         count = int(valid.sum())
         power = float((series[valid] ** 2).mean()) if count else 1.0
-        table, variances = np.zeros((most + 1, most)), [max(power, 1e-300)]
+        table, variances = np.zeros((MOST_ORDER + 1, MOST_ORDER)), [max(power, 1e-300)]
         forward, backward = np.where(valid, series, 0.0), np.where(valid, series, 0.0)
-        for order in range(1, most + 1):
+        for order in range(1, MOST_ORDER + 1):
             now, before = forward[1:], backward[:-1]
             pairs = runs[order:] >= order
             f, b = now[order - 1 :][pairs], before[order - 1 :][pairs]
             energy = float(f @ f + b @ b)
-            if len(f) <= most or energy == 0.0:
+            if len(f) <= MOST_ORDER or energy == 0.0:
                 break
             reflection = 2.0 * float(f @ b) / energy
             previous = table[order - 1, : order - 1]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -56,7 +55,7 @@ def _other_shapes(space: Space, candidate: Candidate, here: Hypothesis) -> Itera
         if other is not None and far < nearest.get(values, (np.inf, other))[0]:
             nearest[values] = far, other
     for _, other in nearest.values():
-        yield dataclasses.replace(here, effects=tuple(other if each is effect else each for each in here.effects))
+        yield here.with_instead(effect, other)
 
 
 def _kept(candidate: Candidate, point: Point) -> Point:

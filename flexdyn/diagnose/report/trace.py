@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexdyn.arrays import Array
+from flexdyn.arrays import Array, evenly
 from flexdyn.diagnose.report.origin import Role
 from flexdyn.io.locked import Locked
 
@@ -68,7 +68,7 @@ class ResidualTrace(Locked):
             open_ends = np.flatnonzero(np.isnan(up[0]) | np.isnan(up[1]))[:NARROW]
             kept = np.union1d(outline(across, *(np.nan_to_num(column) for column in up), slices=NARROW), open_ends)
         else:
-            kept = np.unique(np.linspace(0, len(across) - 1, min(len(across), SLICES)).round()).astype(np.intp)
+            kept = evenly(len(across), SLICES)
             means = averages(np.stack(columns, axis=1))
         across, *up = (column[kept] for column in columns)
         return cls(title, x_label, y_label, across, up[0], up[1], means)

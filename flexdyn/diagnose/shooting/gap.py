@@ -151,10 +151,10 @@ class Shot:
             x0 = shooter.bounded(window_starts(shooter).x + self._moved)
         return bounded_residual(shooter, shooter.run(x0), self.used)
 
-    def floor(self, seed: int = 1) -> float:
+    def floor(self) -> float:
         """The gap of a perfect model: torques and sensors with drawn noise, simulated by the model itself."""
         shooter, used = Shooter(self.model, self.windows), self.used
-        residual = _drawn(shooter, self.x0, self.residual, used, seed)
+        residual = _drawn(shooter, self.x0, self.residual, used, seed=1)
         wanted = -self._filter.first_error(residual, np.zeros_like(self._moved))
         left = (
             residual + bounded_residual(shooter, shooter.run(shooter.bounded(self.x0 + wanted)), used) - self.residual

@@ -8,7 +8,7 @@ from flexdyn.arrays import Array
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.data.sensors import true_channels
-from flexdyn.diagnose.equations.motion import smoothed
+from flexdyn.diagnose.equations.smoothed import smoothed
 from flexdyn.diagnose.shooting.sensing import true_samples
 from flexdyn.diagnose.shooting.shooter import Shooter
 from flexdyn.effects import DeflectionEffect

@@ -11,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from flexdyn.arrays import Array, Flags
+from flexdyn.arrays import Array, Flags, evenly
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects.sensor import POSITIONS
@@ -120,8 +120,7 @@ class Windows:
 
     def thinned(self, most: int) -> Windows:
         """At most `most` windows, evenly spaced."""
-        kept = np.unique(np.linspace(0, len(self) - 1, min(len(self), most)).round().astype(np.int64))
-        return dataclasses.replace(self, places=self.places[kept])
+        return dataclasses.replace(self, places=self.places[evenly(len(self), most)])
 
     def preceded(self) -> Windows:
         """Those that do not begin with their recording; all, where there are no others.

@@ -53,8 +53,7 @@ def _with_a_step(here: Hypothesis, k: int, scales: tuple[float, ...]) -> tuple[H
         return dataclasses.replace(here, factors={**here.factors, number: factor + step}), step
     effect, name = here.unknowns()[k - numbers]
     changed = effect.replace(**{name: getattr(effect, name) + SCALED_STEP * scales[k - numbers]})
-    effects = tuple(changed if each is effect else each for each in here.effects)
-    return dataclasses.replace(here, effects=effects), SCALED_STEP
+    return here.with_instead(effect, changed), SCALED_STEP
 
 
 @dataclass(frozen=True, eq=False)
