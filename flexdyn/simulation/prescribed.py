@@ -33,7 +33,7 @@ def links_behind(
     t: Array,
     course: Array,
     first: Array,
-    winding: Array | float = 0.0,
+    speeds: Array | None = None,
 ) -> Array:
     """Positions of links whose rotors are moved as recorded, by simulation.
 
@@ -47,7 +47,7 @@ def links_behind(
         t: times since the start of the run (samples,) [s].
         course: positions of the rotors of `joints`, and of the links of all others (samples, n) [rad or m].
         first: positions of the links at the first sample (n,).
-        winding: rates of the deflections there (n,) [rad/s or m/s].
+        speeds: velocities of the links there (n,) [rad/s or m/s]; None: those of the course.
 
     Returns:
         positions of all links (samples, n) [rad or m]; NaN from where the simulation failed.
@@ -64,7 +64,8 @@ def links_behind(
     command = _core.open_loop(_core.signal(times, np.ascontiguousarray(pull), np.ascontiguousarray(bend[-1] * HEAVY)))
     speed, elastic = spline(t[0], 1), np.flatnonzero(heavy.elastic)
     q0 = np.where(heavy.elastic, first, course[0])
-    x0 = np.concatenate([q0, course[0, elastic], speed - winding, speed[elastic]])
+    v0 = speed if speeds is None else np.where(heavy.elastic, speeds, speed)
+    x0 = np.concatenate([q0, course[0, elastic], v0, speed[elastic]])
     x0 = np.ascontiguousarray(np.pad(x0, (0, plant.state_size - len(x0))))
     stiff = fastest_rate(plant, x0) > STIFF
     solver = Rosenbrock(rtol=RTOL, atol=ATOL) if stiff else DormandPrince(rtol=RTOL, atol=ATOL)

@@ -17,6 +17,7 @@ from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured, measured
 from flexdyn.diagnose.equations.covariance import whitener
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.hidden_links import of_first_states
 from flexdyn.diagnose.equations.response import LinkResponse
 from flexdyn.diagnose.hypothesis.prepared import MOST_SIMULATED, behind_motors, prepared, recorded_noise
 from flexdyn.diagnose.hypothesis.unweighted import Unweighted
@@ -98,7 +99,6 @@ def test_the_encoders_noise_decides(step: float, simulated: bool) -> None:
     assert (behind is not None) == simulated
     if behind is not None:
         assert (behind.equations.simulated, behind.equations.quasi_static) == (True, False)
-        assert (~behind.mask).sum() > 2 * (~bare.mask).sum()
 
 
 def _of_one(made: tuple[fd.FlexibleJointModel, Measured]) -> tuple[fd.FlexibleJointModel, tuple[Measured, ...]]:
@@ -118,10 +118,10 @@ def test_what_computed_positions_hide_is_seen_behind_the_motors() -> None:
     assert kinds == ["torque_ripple"]
 
 
-def test_where_nothing_is_left_links_are_not_simulated() -> None:
-    """The equations with computed positions explain all that the others see."""
+def test_a_ring_that_computed_positions_lack_is_no_effect() -> None:
+    """Links that follow their load do not ring; those behind their motors do, and explain all without any effect."""
     found = posterior(*prepared(*_of_one(_recorded(FINE, stop=round(4.0 * RATE)))))
-    assert not found.bare.equations.simulated
+    assert found.bare.equations.simulated
     assert not found.best
 
 
@@ -146,7 +146,7 @@ def test_links_of_a_long_record_are_not_simulated() -> None:
 
 
 def test_a_column_is_what_the_law_changes() -> None:
-    """Of a harder spring behind a motor, against the equations with it, for a small one."""
+    """Of a harder spring behind a motor, against the equations with it, for a small one, but for other first states."""
     model, data = _recorded(FINE, stop=round(4.0 * RATE))
     at = Equations(model, (data,), Filters.of_rate(data.dt), simulated=True)
     deflection = np.abs(at.motions[0].delta[:, 0]).max()
@@ -154,6 +154,8 @@ def test_a_column_is_what_the_law_changes() -> None:
     column = at.of_spring(0, harder)
     exact = at.of(model.replace(effects=[harder])).residual - at.residual
     assert np.linalg.norm(exact) > 0.0
+    states, _ = of_first_states(at)
+    column, exact = (each - states @ np.linalg.lstsq(states, each)[0] for each in (column, exact))
     assert np.linalg.norm(column - exact) < 0.1 * np.linalg.norm(exact)
 
 
@@ -202,14 +204,15 @@ def test_a_spring_that_is_stiff_for_the_clock_follows_its_load() -> None:
     """Its vibration is far beyond what samples can hold."""
     t = np.arange(1000) * 0.01
     torque = np.sin(2.0 * t)[:, None] ** 3
-    response = LinkResponse.of(*(np.full((1000, 1, 1), each) for each in (0.5, 1e6, 1e4)), dt=0.01)
+    M, K, D = (np.full((1000, 1, 1), each) for each in (0.5, 1e6, 1e4))
+    response = LinkResponse.of(M, K, D, 0.01)
     assert np.abs(response(torque) - torque / 1e6).max() < 0.05 / 1e6
 
 
 def test_gravity_changes_the_frequency_of_a_vibration() -> None:
     """The arm hangs straight down behind motors at rest: ``(K + G - w^2 M) x = 0``, for fifty periods."""
     arm = dataclasses.replace(ARM, stiffness=(400.0, 300.0), damping=(0.0, 0.0), gravity=9.81)
-    model, t = two_link(arm), np.arange(round(12.0 * RATE)) / RATE
+    model, t = two_link(arm), np.arange(round(22.0 * RATE)) / RATE
     down = np.tile([-0.5 * math.pi, 0.0], (len(t), 1))
     channels = {f"theta.{joint}": down[:, j] for j, joint in enumerate(JOINTS)}
     channels |= {f"tau.{joint}": np.zeros(len(t)) for joint in JOINTS}

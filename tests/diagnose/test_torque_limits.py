@@ -53,7 +53,7 @@ def test_a_torque_that_jumps_is_limited_before_it_is_smoothed() -> None:
     """From -5 to 5 and back every tenth sample: the filter sees a torque between the limits, not a steep slope."""
     at = _limited(np.column_stack([np.zeros(1000), 5.0 * np.sign(np.sin(np.arange(1000) * np.pi / 10.0 + 0.1))]), 0)
     (along,) = at.motions
-    found = applied_torque([LIMIT], along, 1)
+    found = applied_torque([LIMIT], at.true, along, 1)
     clipped = np.clip(along.data.tau[:, 1], -0.9, 0.9)
     expected = at.filters.first.apply(centred(clipped[:, None]), 0)[:, 0]
     np.testing.assert_allclose(found, expected, atol=1e-5)

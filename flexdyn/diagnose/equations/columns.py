@@ -120,7 +120,7 @@ def of_effect(equations: Equations, effect: Effect, scale: float = 1.0) -> Array
 def on_its_way(true: FlexibleJointModel, effect: JointEffect, along: SmoothedMotion, j: int) -> Array:
     """What an effect does to a motion's torque on its way to the rotor (samples,)."""
     acting = acting_on(true, j)
-    return applied_torque([*acting, effect], along, j) - applied_torque(acting, along, j)
+    return applied_torque([*acting, effect], true, along, j) - applied_torque(acting, true, along, j)
 
 
 @kept

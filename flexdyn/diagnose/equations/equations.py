@@ -20,7 +20,8 @@ from flexdyn.diagnose.equations.rest import Rests
 from flexdyn.diagnose.equations.rows import EquationRows
 from flexdyn.diagnose.equations.shared import SharedResults, same_links, same_signals
 from flexdyn.diagnose.equations.smoothed import Smoothed, smoothed
-from flexdyn.diagnose.equations.terms import joint_terms, spring_torque
+from flexdyn.diagnose.equations.springs import spring_torque
+from flexdyn.diagnose.equations.terms import joint_terms
 from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.diagnose.parallel import SILENT, in_parallel
 from flexdyn.diagnose.progress import check
@@ -45,7 +46,7 @@ class Equations(EquationRows):
         quasi_static: whether an unmeasured link whose motor rests is taken to follow its load without ringing, so that
             the equations of other joints can be used meanwhile.
         error: known error of the rows (rows,), taken off the residual; None: none is known.
-        began: how simulated links begin in each recording, see `replayed`; None: at rest, held by gravity.
+        began: how simulated links begin in each recording, see `smoothed`; None: at rest, held by gravity.
     """
 
     quasi_static: bool = False

@@ -79,8 +79,8 @@ def noise_of_vibration(equations: Equations, theta: Array, taps: Array) -> Array
 def of_first_states(equations: Equations) -> tuple[Array, Array]:
     """Slopes of the rows by the first states of simulated links (rows, states), and standard deviations of these.
 
-    For each recording and joint a deflection and its rate where the simulation begins, before the motion is filtered
-    again; the standard deviations are their root mean squares.
+    For each recording and joint a deflection and its rate at the first recorded sample, where the simulation begins;
+    the standard deviations are their root mean squares.
     """
     columns: list[Array] = []
     sigma: list[float] = []
@@ -89,7 +89,7 @@ def of_first_states(equations: Equations) -> tuple[Array, Array]:
         response, hidden = equations.response(along), np.flatnonzero(equations.unmeasured)
         for i, one in zip(hidden.tolist(), np.eye(len(hidden)), strict=True):
             for size, y, v in ((along.delta[:, i], one, 0.0 * one), (along.ddelta[:, i], 0.0 * one, one)):
-                moved = equations.behind(along, response.free(y, v, equations.filters.first.half * along.dt))
+                moved = equations.behind(along, response.free(y, v, along.lost * along.dt))
                 whole = np.zeros((int(ends[-1]), len(equations.kinds)))
                 whole[end - len(moved) : end] = moved
                 columns.append(whole.ravel())

@@ -123,4 +123,4 @@ def _every_few(signals: Smoothed) -> Smoothed:
     """Every few samples; laws then act on the smoothed torque, since one that is held has every sample."""
     every = max(1, round(INSTANT_SPACING / signals.dt))
     columns: dict[str, Any] = {k: x[::every] for k, x in vars(signals).items() if isinstance(x, np.ndarray)}
-    return replace(signals, **columns, dt=signals.dt * every, held=None)
+    return replace(signals, **columns, dt=signals.dt * every, held=None, kernel=None, wound=None)

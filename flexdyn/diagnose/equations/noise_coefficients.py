@@ -11,7 +11,8 @@ from flexdyn.diagnose.equations.computed_positions import LEAST_TRANSMITTED, act
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL, TRANSMISSION
 from flexdyn.diagnose.equations.motion import SmoothedMotion
-from flexdyn.diagnose.equations.terms import spring_slope, torque_slope
+from flexdyn.diagnose.equations.springs import spring_slope
+from flexdyn.diagnose.equations.terms import torque_slope
 
 Coefficient = float | Array
 """One number, or one for each time (times,)."""

@@ -13,7 +13,7 @@ from flexdyn.diagnose.equations.computed_positions import acting_on, lost_share
 from flexdyn.diagnose.equations.equations import Equations, Torques
 from flexdyn.diagnose.equations.held_torque import centred
 from flexdyn.diagnose.equations.motion import SmoothedMotion
-from flexdyn.diagnose.equations.terms import spring_torque
+from flexdyn.diagnose.equations.springs import spring_torque
 from flexdyn.effects import SensorEffect
 from flexdyn.effects.channels import by_channel
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -33,6 +34,10 @@ class Smoothed:
         lost: number of samples of `data` before the first one here.
         resting: where motors rest whose links are not measured (samples, n).
         held: tau before the filter; None: it was never recorded.
+        kernel: the first filter; None: these are other samples than the recorded ones.
+        passes: how often it was applied.
+        wound: deflections before the filters of joints whose links are simulated, else NaN (samples of the recording,
+            n); None: none is simulated.
     """
 
     t: Array
@@ -49,6 +54,34 @@ class Smoothed:
     lost: int
     resting: Flags
     held: HeldTorque | None
+    kernel: GaussianSmoother | None
+    passes: int
+    wound: Array | None
+
+    def filtered(self, x: Array) -> Array:
+        """A signal at the recorded samples as these signals are (samples,).
+
+        Raises:
+            ValueError: these are other samples than the recorded ones.
+        """
+        if self.kernel is None:
+            raise ValueError("thinned signals have no filter")
+        for _ in range(self.passes):
+            x = self.kernel.apply(x, 0)
+        spare = (len(x) - len(self.t)) // 2
+        return x[spare : spare + len(self.t)]
+
+    def recorded(self, j: int, side: str, elastic: bool) -> Array | None:
+        """Position of a joint's rotor or link before the filters (samples of the recording,); None: not measured.
+
+        Args:
+            j: the joint.
+            side: ``motor`` or ``link``.
+            elastic: whether they differ.
+        """
+        signals = ["q", "theta"] if side == "link" else ["theta", "q"]
+        known = [each for each in signals[: 1 if elastic else 2] if getattr(self.data, f"has_{each}")[j]]
+        return np.asarray(getattr(self.data, known[0])[:, j]) if known and self.kernel is not None else None
 
     @property
     def delta(self) -> Array:
@@ -81,7 +114,7 @@ def smoothed(
         kernel: the first filter.
         rests: where motors rest whose links are not measured; None: nowhere.
         simulated: whether all unmeasured links are simulated along the motion of their motors.
-        began: how these links begin, see `replayed`.
+        began: how these links begin, see `_simulated`.
         shared: what other models may have asked for; None: nothing.
 
     A joint with one encoder gets the other position from its own equation (`computed_positions`), or by simulation
@@ -93,61 +126,85 @@ def smoothed(
     tau = centred(data.tau)
     t, tau_s, lost, inner = data.t, data.tau_s, kernel.half, slice(kernel.half, -kernel.half)
     resting = rests.where if rests else np.zeros((len(t[inner]), model.n), dtype=bool)
-    twice = bool((model.elastic & ~data.both).any())
+    twice, wound = bool((model.elastic & ~data.both).any()), None
     held = HeldTorque(data.tau, kernel, 1 + twice)
     if twice:
-        resting_links = None if simulated else rests
-        q, theta = computed_positions(model, links, q, theta, tau, data, kernel, resting_links, shared)
-        q = replayed(model, links, q, theta, data, t[inner], simulated, began)
+        behind = _simulated(model, links, q, theta, data, kernel, began) if simulated else None
+        wound = None if behind is None else theta - behind
+        q, theta = computed_positions(model, links, q, theta, tau, data, kernel, None if simulated else rests, shared)
+        q = replayed(model, q, theta, data, t[inner]) if behind is None else _filled(q, kernel.apply(behind, 0))
         tau, tau_s = (shared.filtered(kernel, each, 0) for each in (tau, tau_s))
     elif not data.both.all():  # as many samples as for an elastic joint
         q, theta, tau, tau_s = q[inner], theta[inner], tau[inner], tau_s[inner]
     if not data.both.all():
         t, resting, lost = t[inner], resting[inner], lost + kernel.half
-    own = {name: shared.filtered(kernel, q, order) for order, name in enumerate(("q", "v", "a"))}
-    own |= {name: shared.filtered(kernel, theta, order) for order, name in enumerate(("theta", "omega", "alpha"))}
-    own |= {name: shared.filtered(kernel, each, 0) for name, each in (("tau", tau), ("tau_s", tau_s))}
-    return Smoothed(t=t[inner], dt=data.dt, **own, data=data, lost=lost, resting=resting, held=held)
+    made: dict[str, Any] = {name: shared.filtered(kernel, q, order) for order, name in enumerate(("q", "v", "a"))}
+    made |= {name: shared.filtered(kernel, theta, order) for order, name in enumerate(("theta", "omega", "alpha"))}
+    made |= {name: shared.filtered(kernel, each, 0) for name, each in (("tau", tau), ("tau_s", tau_s))}
+    origin: dict[str, Any] = {"data": data, "lost": lost, "kernel": kernel, "passes": 1 + twice, "wound": wound}
+    return Smoothed(t=t[inner], dt=data.dt, resting=resting, held=held, **made, **origin)
 
 
-def replayed(
+def _simulated(
     model: FlexibleJointModel,
     links: LinkSide,
     q: Array,
     theta: Array,
     data: Measured,
-    t: Array,
-    simulated: bool,
-    began: Array | None = None,
+    kernel: GaussianSmoother,
+    began: Array | None,
 ) -> Array:
-    """Positions of the links (samples, n), those behind prescribed motors by simulation along the record.
+    """Positions of unmeasured links (samples, n), simulated behind their motors; else NaN.
+
+    They begin where gravity holds them: from elsewhere they would vibrate for seconds, and the equations are linear in
+    small vibrations alone. The motors move as recorded, before the filter: waves of the gears pass it as the links do.
 
     Args:
         model: resolved.
         links: its link side.
+        q: measured positions of the links, else those of the rotors (samples, n).
+        theta: of the rotors (samples, n).
+        data: the recording.
+        kernel: the first filter.
+        began: deflections beyond those by gravity, and rates of deflections, at the first sample (2, n) [rad or m,
+            rad/s or m/s]; None: zero.
+    """
+    joints = np.flatnonzero(unmeasured_links(model, data)).tolist()
+    course = q.copy()
+    course[:, joints] = theta[:, joints]
+    first, weight = theta[0].copy(), links.bias(theta[0], np.zeros(model.n))
+    speeds = kernel.apply(course[: 2 * kernel.half + 1], 1)[0]
+    wound, winding = np.zeros((2, model.n)) if began is None else began
+    for j in joints:
+        first[j] -= wound_by_torque(model, j, weight[j : j + 1])[0] + wound[j]
+    found = links_behind(model, joints, data.t, course, first, speeds - winding)
+    return np.where(unmeasured_links(model, data), found, np.nan)
+
+
+def _filled(x: Array, other: Array) -> Array:
+    """Signals (samples, n) with the columns of others that are not all NaN: a simulation that failed remains NaN."""
+    return np.where(np.isnan(other).all(axis=0), x, other)
+
+
+def replayed(model: FlexibleJointModel, q: Array, theta: Array, data: Measured, t: Array) -> Array:
+    """Positions of the links (samples, n), those behind prescribed motors by simulation along the record.
+
+    Args:
+        model: resolved.
         q: of the links; those behind such motors as the recorded force winds their springs, of which the first sample
             is where the simulation begins.
         theta: of the rotors.
         data: the recording.
         t: times since the start of the run (samples,) [s].
-        simulated: whether those behind all other motors are simulated too. They begin where gravity holds them: from
-            elsewhere they would vibrate for seconds, and the equations are linear in small vibrations alone.
-        began: deflections beyond those by gravity, and rates of deflections, at the first sample (2, n) [rad or m,
-            rad/s or m/s]; None: zero.
     """
-    hidden = unmeasured_links(model, data) if simulated else hidden_links(model, data)
-    joints = np.flatnonzero(hidden).tolist()
+    joints = np.flatnonzero(hidden_links(model, data)).tolist()
     if not joints:
         return q
     course = q.copy()
     course[:, joints] = theta[:, joints]
-    first, weight = theta[0].copy(), links.bias(theta[0], np.zeros(model.n))
-    wound, winding = np.zeros((2, model.n)) if began is None else began
-    for j in joints:
-        known = np.isfinite(q[0, j]) and not simulated
-        first[j] = q[0, j] if known else theta[0, j] - wound_by_torque(model, j, weight[j : j + 1])[0] - wound[j]
+    first = np.where(np.isfinite(q[0]), q[0], theta[0])
     found = q.copy()
-    found[:, joints] = links_behind(model, joints, t, course, first, winding)[:, joints]
+    found[:, joints] = links_behind(model, joints, t, course, first)[:, joints]
     return found
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,16 +10,15 @@ import numpy as np
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.filters import later
 from flexdyn.diagnose.equations.motion import SmoothedMotion
+from flexdyn.diagnose.equations.springs import slope_of, spring_torque
 from flexdyn.diagnose.equations.users_laws import torque_of
-from flexdyn.effects import CouplingEffect, DeflectionEffect, Effect, JointEffect, MemoryEffect
+from flexdyn.effects import CouplingEffect, Effect, JointEffect, MemoryEffect
+from flexdyn.effects.waves import WaveEffect
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.robot.axes import joint_row
 
-SLOPE_STEP = 1e-6
-"""Step of the differences of a torque, as a share of its largest value [1]."""
 
-
-def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array:
+def applied_torque(effects: Sequence[JointEffect], model: FlexibleJointModel, motion: SmoothedMotion, j: int) -> Array:
     """tau_applied (samples,): the actuator effects act on the commanded torque one after the other.
 
     What bends the torque acts before the filters, where it was recorded; after them where the command comes late.
@@ -27,11 +26,29 @@ def applied_torque(effects: Sequence[JointEffect], motion: SmoothedMotion, j: in
     acting = _in_order(effects)
     late = any(each.late_by for each in acting)
     if motion.held is None or late or not any(each.of_recorded_torque for each in acting):
-        return _through_actuator(acting, motion.t, motion.theta[:, j], motion.omega[:, j], motion.tau[:, j])
+        waves = {each: wave for each in acting if (wave := _recorded_wave(each, model, motion, j)) is not None}
+        others = [each for each in acting if each not in waves]
+        tau = _through_actuator(others, motion.t, motion.theta[:, j], motion.omega[:, j], motion.tau[:, j])
+        return tau + sum(waves.values(), np.zeros_like(tau))
     theta, omega = (np.pad(x[:, j], motion.lost, mode="edge") for x in (motion.theta, motion.omega))
+    recorded = motion.recorded(j, "motor", bool(model.elastic[j]))
+    theta = theta if recorded is None else recorded
     return motion.held.through(
         lambda tau: _through_actuator(acting, motion.data.t, theta, omega, tau), j, len(motion.t)
     )
+
+
+def _recorded_wave(effect: JointEffect, model: FlexibleJointModel, motion: SmoothedMotion, j: int) -> Array | None:
+    """Torque (samples,) of a wave over a recorded position, as the filters weaken it; None: the law is no such wave.
+
+    A fast wave over the filtered position would be larger than the filtered wave.
+    """
+    side = "link" if effect.side == "link" else "motor"
+    x = motion.recorded(j, side, bool(model.elastic[j])) if isinstance(effect, WaveEffect) else None
+    if x is None:
+        return None
+    u = np.pad((motion.v if side == "link" else motion.omega)[:, j], motion.lost, mode="edge")
+    return motion.filtered(effect.torque(x, u, t=motion.data.t, tau=np.zeros_like(x)))
 
 
 def torque_slope(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array | None:
@@ -40,18 +57,12 @@ def torque_slope(effects: Sequence[JointEffect], motion: SmoothedMotion, j: int)
     if not any(each.of_recorded_torque for each in acting):
         return None
     theta, omega = motion.theta[:, j], motion.omega[:, j]
-    return _slope(lambda tau: _through_actuator(acting, motion.t, theta, omega, tau), motion.tau[:, j])
+    return slope_of(lambda tau: _through_actuator(acting, motion.t, theta, omega, tau), motion.tau[:, j])
 
 
 def _in_order(effects: Sequence[JointEffect]) -> list[JointEffect]:
     """The effects on the motor's torque, the first to act first."""
     return sorted((e for e in effects if e.stage == "actuator"), key=lambda e: e.order)
-
-
-def _slope(law: Callable[[Array], Array], at: Array) -> Array:
-    """Slope of a law (samples,) at the arguments (samples,), by central differences."""
-    step = SLOPE_STEP * max(float(np.abs(at).max()), 1e-300)
-    return np.asarray((law(at + step) - law(at - step)) / (2.0 * step))
 
 
 def _through_actuator(acting: Sequence[JointEffect], t: Array, theta: Array, omega: Array, tau: Array) -> Array:
@@ -60,57 +71,6 @@ def _through_actuator(acting: Sequence[JointEffect], t: Array, theta: Array, ome
         late = bool(effect.late_by)
         tau = later(t, tau, effect.lateness) if late else torque_of(effect, theta, omega, t=t, tau=tau)
     return tau
-
-
-def spring_torque(model: FlexibleJointModel, effects: Sequence[JointEffect], motion: SmoothedMotion, j: int) -> Array:
-    """tau_s (samples, 2) on the link, and on the rotor.
-
-    Kinematic error first, then dead zones, then every spring law; hysteresis takes the result. The torque on the rotor
-    is the springs' torque times the slope of the kinematic error.
-    """
-    true, D = motion.delta[:, j], model.damping[j]
-    springs, slope = _springs_at(model, effects, motion, j, true)
-    dampers = D * motion.ddelta[:, j]
-    for effect in effects:
-        if effect.stage == "spring" and effect.of_velocity:
-            dampers = dampers + effect.torque(true, motion.ddelta[:, j], t=motion.t)
-    return np.stack([springs + dampers, slope * springs + dampers], axis=1)
-
-
-def spring_slope(
-    model: FlexibleJointModel, effects: Sequence[JointEffect], motion: SmoothedMotion, j: int
-) -> Array | None:
-    """Slope of the springs' torque over the deflection (samples,) [N m/rad or N/m]; None: the spring is linear.
-
-    By differences; zero in a gap. What remembers the way of the deflection follows its noise in part; here it does not.
-    """
-    bent = [e for e in effects if isinstance(e, DeflectionEffect) or (e.bends_spring and e.stage == "spring")]
-    bent = [e for e in bent if not isinstance(e, MemoryEffect)]
-    if not bent:
-        return None
-    return _slope(lambda delta: _springs_at(model, bent, motion, j, delta)[0], motion.delta[:, j])
-
-
-def _springs_at(
-    model: FlexibleJointModel, effects: Sequence[JointEffect], motion: SmoothedMotion, j: int, true: Array
-) -> tuple[Array, Array]:
-    """Torque of the springs at deflections, and its share that reaches the rotor (samples,) each."""
-    theta = motion.theta[:, j]
-    seen, slope = true, np.ones(len(true))
-    bent = [e for e in effects if isinstance(e, DeflectionEffect)]
-    for bend in sorted(bent, key=lambda e: e.order):
-        if bend.of_rotor:
-            seen = seen + (bend.deflection(true, theta) - true)
-            slope = slope + bend.slope(theta)
-        else:
-            seen = bend.deflection(seen, theta)
-    springs = model.stiffness[j] * seen
-    for effect in effects:
-        if effect.side == "transmission" and isinstance(effect, MemoryEffect):
-            springs = springs + effect.along(seen)
-        elif effect.stage == "spring" and not effect.of_velocity:
-            springs = springs + torque_of(effect, seen, motion.ddelta[:, j], t=motion.t, tau=motion.tau[:, j])
-    return springs, slope
 
 
 def friction_torque(
@@ -172,7 +132,8 @@ def own_torque(effect: JointEffect, model: FlexibleJointModel, motion: SmoothedM
         return side, -effect.along(x, u)
     if isinstance(effect, CouplingEffect):
         return side, effect.on_rotors(u, motion.omega[:, model.index(effect.partner)])[0]
-    return side, -torque_of(effect, x, u, t=motion.t, tau=motion.tau[:, j])
+    wave = _recorded_wave(effect, model, motion, j)
+    return side, -(torque_of(effect, x, u, t=motion.t, tau=motion.tau[:, j]) if wave is None else wave)
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +157,7 @@ def joint_terms(model: FlexibleJointModel, effects: Sequence[Effect], motion: Sm
     own = (each for each in effects if isinstance(each, JointEffect) and each.joint == model.joint_names[j])
     acting = [each for each in own if not spreads(each, model)]
     given = _not_friction(effects, model, motion, j)
-    motor = applied_torque(acting, motion, j) + given["motor"]
+    motor = applied_torque(acting, model, motion, j) + given["motor"]
     link = given["link"] - friction_torque(acting, model, motion, j, "link", np.zeros(len(motion.t)))
     carried = motion.inverse_dynamics[:, j] - link
     if model.elastic[j]:

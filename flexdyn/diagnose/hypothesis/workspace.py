@@ -78,14 +78,16 @@ class Workspace:
         white, offsets, values = self._fitted_nuisances(residual)
         return np.asarray(white - offsets @ values), float(np.sum((values / self.nuisance_sigma) ** 2))
 
-    def calm(self, residual: Array) -> Array:
-        """The residual, not whitened, after the best values of what is not reported are subtracted (rows,)."""
-        return np.asarray(residual - self.bare.unknown @ self._fitted_nuisances(residual)[2])
-
     def first_states(self, residual: Array) -> Array:
         """First states of simulated links in addition that fit a residual best (states,)."""
         first = len(self.bare.channels)
         return self._fitted_nuisances(residual)[2][first : first + len(self.bare.states)]
+
+    def calm(self, residual: Array) -> Array:
+        """The residual, not whitened, without the vibration that first states of simulated links explain (rows,)."""
+        first = len(self.bare.channels)
+        by_states = self.bare.unknown[:, first : first + len(self.bare.states)]
+        return residual - by_states @ self.first_states(residual) if by_states.size else residual
 
     def _fitted_nuisances(self, residual: Array) -> tuple[Array, Array, Array]:
         """Whitened residual (rows,), whitened columns of what is not reported (rows, k), and their best values (k,)."""

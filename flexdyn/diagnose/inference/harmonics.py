@@ -53,7 +53,7 @@ def peaks(
     process = Autoregression.of(left / scale * 1e3, runs)  # the scale only keeps the innovations above 1
     y = process.innovations((left / scale * 1e3)[:, None], runs)[:, 0]
     first, second = equations.filters.first, equations.filters.second
-    width = math.sqrt(first.variance + second.variance) * equations.data[0].dt
+    width = math.sqrt(equations.motions[0].passes * first.variance + second.variance) * equations.data[0].dt
     sign = np.sign(u)[:, None] if with_direction else 1.0
 
     def power(h: Array) -> Array:
@@ -89,7 +89,7 @@ def with_harmonics(equations: Equations, left: Array, known: list[Proposal], run
 
     Args:
         equations: of a hypothesis.
-        left: their residual without what is not reported (rows,).
+        left: their residual, without a vibration from the first states of simulated links (rows,).
         known: proposals of effects.
         runs: of each equation's rows that say something (rows of an equation, equations).
     """

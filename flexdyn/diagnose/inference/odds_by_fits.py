@@ -11,14 +11,19 @@ from flexdyn.diagnose.constants import OCCAM_WINDOW, STRONG_GAIN_SHARE
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.inference.posterior_of_fit import STEPS_OF_A_FIT, leaves_more_than_noise, log_posterior
+from flexdyn.diagnose.inference.posterior_of_fit import (
+    STEPS_OF_A_FIT,
+    fit_if_likely,
+    leaves_more_than_noise,
+    log_posterior,
+)
 from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Identities, Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
 from flexdyn.errors import SimulationError
 
-STEPS_TRIED, LAST_STEPS = 2, 8
-"""Gauss-Newton steps at most: of the fit of a structure that is tried, and of the last one."""
+LAST_STEPS = 8
+"""Gauss-Newton steps at most of the last fit."""
 Tried = TypeVar("Tried", bound=Fit | None)
 
 
@@ -56,8 +61,12 @@ def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) ->
     leaves = leaves_more_than_noise(base)
     added = [point for gain, point in Scan(space).additions(stands) if leaves and gain > -OCCAM_WINDOW]
     others = dict.fromkeys(each for each in (best, *_with(space, stands, added)) if each != stands)
-    tried = ((each, _fit_of_structure(space, each, base, STEPS_TRIED)) for each in others)
-    return _most_likely(space, itertools.chain([(stands, base)], tried))[0]
+    likeliest, most = stands, log_posterior(space, stands, base)
+    for each in others:
+        value, _ = fit_if_likely(space, each, hypothesis_of(space, each, whole=True), base, most)
+        if value > most:
+            likeliest, most = each, value
+    return likeliest
 
 
 def best_where_not_linear(space: Space, best: Structure, base: Fit, stands: Structure) -> Structure:

@@ -14,7 +14,7 @@ from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import MOTOR, TOTAL, TRANSMISSION
-from flexdyn.diagnose.equations.terms import spring_torque
+from flexdyn.diagnose.equations.springs import spring_torque
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import Effect, JointEffect, registered
