@@ -146,7 +146,10 @@ def inverse(model: fd.FlexibleJointModel, record: fd.Recording) -> Inverse:
     true, data = model.resolved(), measured(model, record)
     q, v, a = _motion(data.theta, data.dt)
     rests = np.zeros(q.shape, dtype=np.bool_)
-    seen = Smoothed(data.t, data.dt, q, v, a, q, v, a, data.tau, np.zeros_like(q), data, 0, rests, held=None)
+    still = np.zeros_like(q)
+    seen = Smoothed(
+        data.t, data.dt, q, v, a, q, v, a, data.tau, still, data, 0, rests, held=None, kernel=None, passes=0, wound=None
+    )
     along = motion(fd.LinkSide(true), seen)
     terms = joint_terms(true, true.all_effects, along, 0)
     missing = terms.motor + terms.link - along.inverse_dynamics[:, 0]

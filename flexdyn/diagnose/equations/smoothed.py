@@ -114,7 +114,7 @@ def smoothed(
         kernel: the first filter.
         rests: where motors rest whose links are not measured; None: nowhere.
         simulated: whether all unmeasured links are simulated along the motion of their motors.
-        began: how these links begin, see `_simulated`.
+        began: how these links begin, see `_links_behind_motors`.
         shared: what other models may have asked for; None: nothing.
 
     A joint with one encoder gets the other position from its own equation (`computed_positions`), or by simulation
@@ -129,7 +129,7 @@ def smoothed(
     twice, wound = bool((model.elastic & ~data.both).any()), None
     held = HeldTorque(data.tau, kernel, 1 + twice)
     if twice:
-        behind = _simulated(model, links, q, theta, data, kernel, began) if simulated else None
+        behind = _links_behind_motors(model, links, q, theta, data, kernel, began) if simulated else None
         wound = None if behind is None else theta - behind
         q, theta = computed_positions(model, links, q, theta, tau, data, kernel, None if simulated else rests, shared)
         q = replayed(model, q, theta, data, t[inner]) if behind is None else _filled(q, kernel.apply(behind, 0))
@@ -145,7 +145,7 @@ def smoothed(
     return Smoothed(t=t[inner], dt=data.dt, resting=resting, held=held, **made, **origin)
 
 
-def _simulated(
+def _links_behind_motors(
     model: FlexibleJointModel,
     links: LinkSide,
     q: Array,

@@ -106,16 +106,17 @@ def filter_error(equations: Equations, here: Hypothesis) -> Array | None:
     """Variance of the rows by what the first filter does to the found effects' laws (rows,); None: there are none.
 
     The filter rounds the motion at the corners of laws. A filter with twice the variance rounds twice as much, so the
-    difference is the error of the narrow one (Richardson).
+    difference is the error of the narrow one (Richardson). Waves over a position are taken before the filter.
     """
-    if not here.effects:
+    rounded = [effect for effect in here.effects if not effect.cycles]
+    if not rounded:
         return None
     dt = equations.data[0].dt
     first = Filters.of_rate(dt, first=math.sqrt(2.0) * max(FIRST_FILTER_WIDTH, 1.25 * dt)).first
     filters = dataclasses.replace(equations.filters, first=first)
     wide = dataclasses.replace(equations, filters=filters)
     total = np.zeros(len(equations.residual))
-    for effect in here.effects:
+    for effect in rounded:
         without = dataclasses.replace(here, effects=tuple(each for each in here.effects if each is not effect))
         parts = []
         for at in (equations, wide):
