@@ -16,6 +16,7 @@ from flexdyn.diagnose.inference.posterior_of_fit import (
     fit_if_likely,
     leaves_more_than_noise,
     log_posterior,
+    noise_would_gain,
 )
 from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Identities, Space, Structure
@@ -50,7 +51,8 @@ def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) ->
     """The most likely by fits of what a linearisation stands at, what it prefers, and each candidate in addition.
 
     Simulated links may vibrate. The equations are then far from linear in the numbers, and their slopes may promise
-    nothing for the right law. So where more than noise is left, candidates are tried by fits.
+    nothing for the right law. So where more than noise is left, candidates are tried by fits, until noise alone
+    would hardly be more likely than what one leaves: what may take its place is a matter of the equations near it.
 
     Args:
         space: of the linearisation.
@@ -63,9 +65,11 @@ def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) ->
     others = dict.fromkeys(each for each in (best, *_with(space, stands, added)) if each != stands)
     likeliest, most = stands, log_posterior(space, stands, base)
     for each in others:
-        value, _ = fit_if_likely(space, each, hypothesis_of(space, each, whole=True), base, most)
-        if value > most:
+        value, made = fit_if_likely(space, each, hypothesis_of(space, each, whole=True), base, most)
+        if made is not None and value > most:
             likeliest, most = each, value
+            if noise_would_gain(space, made) < OCCAM_WINDOW:
+                break
     return likeliest
 
 

@@ -101,20 +101,20 @@ def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
     start = dataclasses.replace(start, fits_cycles=True)
     found = _passes(bare, _in_tolerance(_numbers_alone(bare, start).hypothesis, start))
     moving = behind_motors(bare, start)
-    there = None if moving is None else _unexplained(moving, found.fitted.hypothesis)
-    if moving is None or there is None:
+    if moving is None or not _leaves_something(moving, found.fitted.hypothesis):
         return found
-    seen = _passes(moving, there)
+    # What does not even explain the first equations holds what computed positions lack: it is no place to begin.
+    there = start if leaves_more_than_noise(found.fitted) else found.fitted.hypothesis
+    seen = _passes(moving, dataclasses.replace(there, fits_cycles=True))
     return found if leaves_more_than_noise(seen.fitted) else seen
 
 
-def _unexplained(bare: Unweighted, there: Hypothesis) -> Hypothesis | None:
-    """A hypothesis with its numbers fitted to other equations if it leaves more than noise in them, else None."""
+def _leaves_something(bare: Unweighted, there: Hypothesis) -> bool:
+    """Whether a hypothesis leaves more than noise in other equations, its numbers fitted to them."""
     try:
-        made = _numbers_alone(beginning_as(bare, there), there)
+        return leaves_more_than_noise(_numbers_alone(beginning_as(bare, there), there))
     except SimulationError:
-        return None
-    return dataclasses.replace(made.hypothesis, fits_cycles=True) if leaves_more_than_noise(made) else None
+        return False
 
 
 def _passes(bare: Unweighted, here: Hypothesis) -> Posterior:

@@ -72,6 +72,12 @@ def leaves_more_than_noise(made: Fit) -> bool:
     return bool((squares > (1.0 + NOISE_LEVEL_ERROR) * count + CERTAIN_SIGMAS * np.sqrt(2.0 * count)).any())
 
 
+def noise_would_gain(space: Space, made: Fit) -> float:
+    """Log likelihood that noise alone has beyond what a fit leaves, under the model error of a linearisation."""
+    squares, _ = squares_left(made.equations, made.space)
+    return space.noise.log_likelihood(np.minimum(squares, space.noise.count)) - space.noise.log_likelihood(squares)
+
+
 def fit_if_likely(
     space: Space, structure: Structure, start: Hypothesis, base: Fit, least: float
 ) -> tuple[float, Fit | None]:
