@@ -21,6 +21,7 @@ from flexdyn.diagnose.decision.one_law import completing
 from flexdyn.diagnose.decision.significance import stays
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.hypothesis.less_rounded import less_rounded
 from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.inference.apart import genuine, power_ratios
 from flexdyn.diagnose.inference.candidate import Candidate
@@ -146,7 +147,7 @@ def corrected(
     # The linear equations may have promised too much; what is left out displaces the others.
     while kept != (kept := tuple(each for each in kept if stays(space, each.candidate, made, least[each.candidate]))):
         made = fit_of_kept(space, made, {each.candidate for each in kept} | completed(kept))
-    made = no_stiffer_than_seen(continued(made))
+    made = no_stiffer_than_seen(less_rounded(continued(made)))
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = leaves_noise(made, plain)
     made = made if explained else within(made)

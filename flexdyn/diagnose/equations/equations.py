@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from flexdyn.arrays import Array
+from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.data.sensors import true_channels
 from flexdyn.diagnose.equations.computed_positions import acting_on
@@ -44,10 +45,12 @@ class Equations(EquationRows):
     Attributes:
         quasi_static: whether an unmeasured link whose motor rests is taken to follow its load without ringing, so that
             the equations of other joints can be used meanwhile.
+        error: known error of the rows (rows,), taken off the residual; None: none is known.
         began: how simulated links begin in each recording, see `smoothed`; None: at rest, held by gravity.
     """
 
     quasi_static: bool = False
+    error: Array | None = None
     began: tuple[Array, ...] | None = None
 
     @lazy
@@ -100,7 +103,8 @@ class Equations(EquationRows):
     def residual(self) -> Array:
         """The residuals (rows,) [N m or N]: only noise if the model is right."""
         check()
-        return self._rows(self._left)
+        left = self._rows(self._left)
+        return left if self.error is None else left - self.error
 
     @lazy
     def counts(self) -> tuple[int, ...]:
@@ -137,6 +141,14 @@ class Equations(EquationRows):
                 return other
         other.__dict__["_bases"] = tuple(each.near or each for each in self.motions)
         return other
+
+    def with_filters(self, filters: Filters) -> Equations:
+        """The same model and data behind other filters."""
+        return replace(self, filters=filters, error=None)
+
+    def less(self, error: Array) -> Equations:
+        """The same without a known error of the rows (rows,)."""
+        return self._sharing(error=error)
 
     def beginning(self, more: Array) -> Equations:
         """The same where simulated links begin otherwise.
