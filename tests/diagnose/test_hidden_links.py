@@ -19,6 +19,9 @@ from flexdyn.diagnose.equations.covariance import whitener
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.hidden_links import of_first_states
 from flexdyn.diagnose.equations.response import LinkResponse
+from flexdyn.diagnose.experiment.apart import Known, space_along
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.linear import linearised
 from flexdyn.diagnose.hypothesis.prepared import MOST_SIMULATED, behind_motors, prepared, recorded_noise
 from flexdyn.diagnose.hypothesis.unweighted import Unweighted
 from flexdyn.diagnose.hypothesis.workspace import Workspace, beginning_as, weighed
@@ -129,6 +132,21 @@ def test_where_simulated_links_are_farther_off_they_do_not_count() -> None:
     """A brake that closes at once, in the middle of the record, is no motion that a spline through samples holds."""
     found = posterior(*prepared(*_of_one(_recorded(FINE))))
     assert found.bare.equations.quasi_static
+
+
+def test_first_states_of_a_record_tell_nothing_about_another_motion() -> None:
+    """What is known of the numbers has the columns of equations along a new motion, with the first states free."""
+    model, data = _recorded(FINE, stop=round(4.0 * RATE))
+    work = _weighed(model, data, simulated=True)
+    start = prepared(model, (data,))[1]
+    made = fit(start, work, steps=1)
+    known, other = Known.of(made), space_along(work, start.factors, data)
+    assert known.root.shape[1] == linearised(start, other).regression.X.shape[1]
+    whole = made.regression.with_priors
+    numbers = len(start.factors)
+    spread = np.linalg.inv(whole.T @ whole)[:numbers, :numbers]
+    mine = np.linalg.inv(known.root.T @ known.root)[:numbers, :numbers] / max(1.0, made.reduced)
+    np.testing.assert_allclose(np.sqrt(np.diag(mine)), np.sqrt(np.diag(spread)), rtol=1e-3)
 
 
 def test_links_of_a_long_record_are_not_simulated() -> None:

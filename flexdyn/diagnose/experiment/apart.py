@@ -33,7 +33,7 @@ class Known:
     Attributes:
         fitted: to these recordings.
         root: ``|root d|^2`` is the increase of chi^2, tolerances included, if the numbers differ by d from the best
-            ones; columns as those of the fit's regression.
+            ones; columns as those of the fit's regression, without the first states of these recordings.
     """
 
     fitted: Fit
@@ -42,7 +42,10 @@ class Known:
     @classmethod
     def of(cls, fitted: Fit) -> Known:
         """Information of a fit; it is reduced if more than noise is left."""
-        root = np.asarray(np.linalg.qr(fitted.regression.with_priors, mode="r"))
+        X, bare = fitted.regression.with_priors, fitted.space.bare
+        first, states = X.shape[1] - bare.unknown.shape[1] + len(bare.channels), len(bare.states)
+        begun, others = X[:, first : first + states], np.delete(X, slice(first, first + states), axis=1)
+        root = np.asarray(np.linalg.qr(np.hstack([begun, others]), mode="r"))[states:, states:]
         return cls(fitted, root / np.sqrt(max(1.0, fitted.reduced)))
 
     @property
