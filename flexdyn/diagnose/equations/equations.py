@@ -46,7 +46,7 @@ class Equations(EquationRows):
         quasi_static: whether an unmeasured link whose motor rests is taken to follow its load without ringing, so that
             the equations of other joints can be used meanwhile.
         error: known error of the rows (rows,), taken off the residual; None: none is known.
-        began: how simulated links begin in each recording, see `smoothed`; None: at rest, held by gravity.
+        began: how simulated links begin in each recording, see `links_behind_motors`; None: at rest, held by gravity.
     """
 
     quasi_static: bool = False

@@ -10,7 +10,7 @@ import numpy as np
 from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.diagnose.equations.smoothed import hidden_links
+from flexdyn.diagnose.equations.simulated_links import hidden_links
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.effects import JointEffect
 from flexdyn.effects.motor import DCMotorLaw
