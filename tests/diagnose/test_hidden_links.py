@@ -128,6 +128,7 @@ def test_a_ring_that_computed_positions_lack_is_no_effect() -> None:
     assert not found.best
 
 
+@pytest.mark.slow
 def test_where_simulated_links_are_farther_off_they_do_not_count() -> None:
     """A brake that closes at once, in the middle of the record, is no motion that a spline through samples holds."""
     found = posterior(*prepared(*_of_one(_recorded(FINE))))
