@@ -23,8 +23,8 @@ from flexdyn.diagnose.inference.space import Identities, Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
 from flexdyn.errors import SimulationError
 
-LAST_STEPS = 8
-"""Gauss-Newton steps at most of the last fit."""
+LAST_STEPS, MOST_TRIED = 8, 12
+"""Gauss-Newton steps at most of the last fit; candidates that are tried by fits in a pass, at most."""
 Tried = TypeVar("Tried", bound=Fit | None)
 
 
@@ -61,7 +61,8 @@ def best_by_fits(space: Space, best: Structure, base: Fit, stands: Structure) ->
         stands: the structure at which it is.
     """
     leaves = leaves_more_than_noise(base)
-    added = [point for gain, point in Scan(space).additions(stands) if leaves and gain > -OCCAM_WINDOW]
+    gains = Scan(space).additions(stands) if leaves else []
+    added = [point for gain, point in gains if gain > -OCCAM_WINDOW][:MOST_TRIED]
     others = dict.fromkeys(each for each in (best, *_with(space, stands, added)) if each != stands)
     likeliest, most = stands, log_posterior(space, stands, base)
     for each in others:
