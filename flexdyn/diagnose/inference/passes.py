@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -27,7 +28,7 @@ from flexdyn.diagnose.inference.odds_by_fits import (
     most_likely_visited,
     odds_by_fits,
 )
-from flexdyn.diagnose.inference.posterior_of_fit import leaves_more_than_noise
+from flexdyn.diagnose.inference.posterior_of_fit import leaves_more_than_noise, squares_left
 from flexdyn.diagnose.inference.rivals import among_rivals
 from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.shapes import likeliest_shapes
@@ -42,6 +43,9 @@ MOST_PASSES = 5
 """Linearisations at most."""
 MODEL_ERROR_ROUNDS = 25
 """Times that model error and structure are estimated in turn, at most."""
+STALLED_SHARE = 0.3
+"""Share of what a pass on simulated links left from which the next one has come no further [1]: right laws leave noise,
+or orders less where several are missing."""
 NUMBERS_STEPS, PASS_STEPS = 3, 4
 """Gauss-Newton steps at most: of the file's numbers alone, and between two linearisations."""
 
@@ -120,6 +124,8 @@ def _leaves_something(bare: Unweighted, there: Hypothesis) -> bool:
 def _passes(bare: Unweighted, here: Hypothesis) -> Posterior:
     """Compare structures on one kind of equations.
 
+    Where links are simulated, a pass that leaves more than noise, and not much less than the last one, ends it.
+
     Args:
         bare: these equations.
         here: where to linearise first.
@@ -129,6 +135,7 @@ def _passes(bare: Unweighted, here: Hypothesis) -> Posterior:
     compared: list[Identities] = []
     passed: set[tuple[Identities, Identities]] = set()
     visited: list[tuple[Identities, Hypothesis]] = []
+    least = math.inf
     for k in range(MOST_PASSES):
         tell(f"comparing structures: pass {k + 1} of at most {MOST_PASSES}", 0.05 + 0.6 * k / MOST_PASSES)
         bare = beginning_as(bare, here)
@@ -154,6 +161,11 @@ def _passes(bare: Unweighted, here: Hypothesis) -> Posterior:
             break
         strong = best if bare.equations.simulated else _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1))
         made = likeliest_shapes(space, strong, near.best_fitted(strong, PASS_STEPS))
+        if bare.equations.simulated and leaves_more_than_noise(made):
+            before = least if k else float(squares_left(bare.equations.of(here.model()), near.plain)[0].sum())
+            least = float(squares_left(made.equations, made.space)[0].sum())
+            if least > STALLED_SHARE * before:
+                return Posterior(bare, space, strong, made, False, space.known)
         here = dataclasses.replace(made.hypothesis, fits_cycles=True)
         visited.append((space.identities(strong), here))
         space.forget()
