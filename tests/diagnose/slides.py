@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 import flexdyn as fd
+from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.hypothesis.estimate import fit
+from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.prepared import prepared
+from flexdyn.effects import Effect
 from tests.arms import slider
+from tests.diagnose.workspaces import workspace
 
 Array = NDArray[np.float64]
 RATE, MASS, LOAD = 500.0, 3.0, 2.5
@@ -78,3 +85,12 @@ def named(diagnosis: fd.Diagnosis) -> list[tuple[str, dict[str, float], float]]:
         (each["effect"], {key: number["value"] for key, number in each["parameters"].items()}, each["probability"])
         for each in findings
     ]
+
+
+def fitted(folder: Path, recording: fd.Recording, *effects: Effect) -> Fit:
+    """A fit that begins at the true effects."""
+    given = model(folder)
+    data = (measured(given, recording),)
+    start = dataclasses.replace(prepared(given, data)[1], effects=effects)
+    space, start, _ = workspace(given, data, start)
+    return fit(start, space)

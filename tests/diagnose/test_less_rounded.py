@@ -5,7 +5,6 @@ That a gap is found with its right size is in `test_unknown_laws.py`.
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from functools import cache
 from pathlib import Path
@@ -14,14 +13,9 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose.data.measured import measured
-from flexdyn.diagnose.hypothesis.estimate import fit
-from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.less_rounded import less_rounded, rounding
-from flexdyn.diagnose.hypothesis.prepared import prepared
-from flexdyn.effects import CoulombFriction, Effect, ViscousFriction
-from tests.diagnose.slides import RATE, model, pushed
-from tests.diagnose.workspaces import workspace
+from flexdyn.effects import CoulombFriction, ViscousFriction
+from tests.diagnose.slides import RATE, fitted, pushed
 
 DAMPING = 1.5
 
@@ -35,15 +29,6 @@ def slid(level: float = 0.0) -> fd.Recording:
         return asked - DAMPING * v - level * math.copysign(1.0, v)
 
     return pushed(t, 30.0 * np.sin(2.1 * t + 0.3) + 22.0 * np.sin(5.3 * t), acting)
-
-
-def fitted(folder: Path, recording: fd.Recording, *effects: Effect) -> Fit:
-    """A fit that begins at the true effects."""
-    given = model(folder)
-    data = (measured(given, recording),)
-    start = dataclasses.replace(prepared(given, data)[1], effects=effects)
-    space, start, _ = workspace(given, data, start)
-    return fit(start, space)
 
 
 def test_linear_laws_have_no_such_error(tmp_path: Path) -> None:

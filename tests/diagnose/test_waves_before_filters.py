@@ -11,14 +11,10 @@ import numpy as np
 import pytest
 
 import flexdyn as fd
-from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.terms import applied_torque
-from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
-from flexdyn.diagnose.hypothesis.prepared import prepared
-from flexdyn.effects import Effect, PositionDependentFriction, TorqueRipple, ViscousFriction
-from tests.diagnose.slides import RATE, model, pushed
-from tests.diagnose.workspaces import workspace
+from flexdyn.effects import PositionDependentFriction, TorqueRipple, ViscousFriction
+from tests.diagnose.slides import RATE, fitted, pushed
 
 AMPLITUDE, HARMONIC, PHASE, DAMPING = 4.0, 40.0, 0.5, 1.5
 RIPPLE = TorqueRipple("lift", amplitude=AMPLITUDE, harmonic=HARMONIC, phase=PHASE)
@@ -35,15 +31,6 @@ def slid(ripple: float = AMPLITUDE, level: float = 0.0) -> fd.Recording:
         return asked + wave - DAMPING * v - level * math.copysign(1.0, v)
 
     return pushed(t, 30.0 * np.sin(2.1 * t + 0.3) + 22.0 * np.sin(5.3 * t), acting)
-
-
-def fitted(folder: Path, recording: fd.Recording, *effects: Effect) -> Fit:
-    """A fit that begins at the true effects."""
-    given = model(folder)
-    data = (measured(given, recording),)
-    start = dataclasses.replace(prepared(given, data)[1], effects=effects)
-    space, start, _ = workspace(given, data, start)
-    return fit(start, space)
 
 
 def error(made: Fit) -> tuple[float, float]:
