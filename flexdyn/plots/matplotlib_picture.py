@@ -162,6 +162,7 @@ def _formatter() -> Any:
 
     class Plain(Formatter):
         def format_ticks(self, values: Any) -> list[str]:
+            """Texts of all ticks of an axis, with as many digits as tell them apart."""
             return tick_texts([float(value) for value in values])
 
         def __call__(self, value: float, position: int | None = None) -> str:

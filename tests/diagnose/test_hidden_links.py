@@ -104,6 +104,20 @@ def test_the_encoders_noise_decides(step: float, simulated: bool) -> None:
         assert (behind.equations.simulated, behind.equations.quasi_static) == (True, False)
 
 
+def test_beside_a_motor_that_reverses_all_the_time_links_are_simulated() -> None:
+    """The position that its torque tells is unknown at every reversal, and all equations contain it."""
+    t, draw = np.arange(round(4.0 * RATE)) / RATE, np.random.default_rng(2)
+    way = {"shoulder": 0.01 * np.sin(2.0 * math.pi * 12.0 * t), "elbow": 0.5 * t + 0.2 * np.sin(1.3 * t)}
+    channels = {f"theta.{joint}": x + FINE * draw.standard_normal(len(t)) for joint, x in way.items()}
+    channels |= {f"tau.{joint}": 0.01 * draw.standard_normal(len(t)) for joint in JOINTS}
+    model = two_link(RINGING)
+    bare, _ = prepared(model, (measured(model, fd.Recording(t, channels)),))
+    assert bare.equations.simulated
+    used = ~bare.mask.reshape(-1, 2)
+    assert not used[:, 0].any()
+    assert used[:, 1].sum() > 40
+
+
 def _of_one(made: tuple[fd.FlexibleJointModel, Measured]) -> tuple[fd.FlexibleJointModel, tuple[Measured, ...]]:
     """A model and its only recording."""
     return made[0], (made[1],)

@@ -156,10 +156,8 @@ class Equations(EquationRows):
         Args:
             more: deflections and their rates in addition, in the order of `of_first_states` (states,).
         """
-        joints = np.flatnonzero(self.unmeasured)
-        began = [
-            np.zeros((2, self.true.n)) if self.began is None else self.began[k].copy() for k in range(len(self.data))
-        ]
+        joints, still = np.flatnonzero(self.unmeasured), np.zeros((2, self.true.n))
+        began = [each.copy() for each in self.began or (still,) * len(self.data)]
         for states, change in zip(began, more.reshape(len(began), len(joints), 2), strict=True):
             states[:, joints] += change.T
         return self._sharing(began=tuple(began))

@@ -49,12 +49,11 @@ class LinkResponse:
             dt: between samples [s].
         """
         many, n = K.shape[:2]
-        stiff, damped = K, D / (2.0 * dt)
         fastest = np.sqrt(np.abs(np.diagonal(K, axis1=1, axis2=2) / np.diagonal(M, axis1=1, axis2=2)).max(axis=0))
         beta = np.where(n * fastest * dt < LARGEST_TURN, FOURTH_ORDER, ALWAYS_STABLE)
-        heavy, sides = M / dt**2, beta * stiff
+        heavy, damped, sides = M / dt**2, D / (2.0 * dt), beta * K
         solved = np.asarray(np.linalg.inv(heavy + damped + sides), dtype=float)
-        last = solved @ (2.0 * heavy - (stiff - 2.0 * sides))
+        last = solved @ (2.0 * heavy - (K - 2.0 * sides))
         before = solved @ (damped - heavy - sides)
         band = np.zeros((3 * n, many, n))
         band[0] = 1.0

@@ -43,9 +43,9 @@ class Known:
     def of(cls, fitted: Fit) -> Known:
         """Information of a fit; it is reduced if more than noise is left."""
         X, bare = fitted.regression.with_priors, fitted.space.bare
-        first, states = X.shape[1] - bare.unknown.shape[1] + len(bare.channels), len(bare.states)
-        begun, others = X[:, first : first + states], np.delete(X, slice(first, first + states), axis=1)
-        root = np.asarray(np.linalg.qr(np.hstack([begun, others]), mode="r"))[states:, states:]
+        states = np.arange(X.shape[1] - bare.unknown.shape[1], X.shape[1])[bare.of_states]
+        begun_first = np.hstack([X[:, states], np.delete(X, states, axis=1)])
+        root = np.asarray(np.linalg.qr(begun_first, mode="r"))[len(states) :, len(states) :]
         return cls(fitted, root / np.sqrt(max(1.0, fitted.reduced)))
 
     @property

@@ -48,6 +48,11 @@ class Unweighted:
     states: Array
     along: Equations | None = None
 
+    @property
+    def of_states(self) -> slice:
+        """Columns of `unknown` that are of first states."""
+        return slice(len(self.channels), len(self.channels) + len(self.states))
+
     @classmethod
     def of(cls, equations: Equations, noise: SampleNoise, numbers: Iterable[FileNumber]) -> Unweighted:
         """Slopes by these numbers of the file; rows are masked where the noise says so."""
@@ -70,12 +75,10 @@ class Unweighted:
         A spring that hardens feels an offset more. Without springs offsets act on gravity and inertia alone, which
         effects hardly change.
         """
-        first = len(self.channels)
-        offsets, states = list(self.unknown[:, :first].T), self.unknown[:, first : first + len(self.states)]
+        offsets, states = list(self.unknown[:, : len(self.channels)].T), self.unknown[:, self.of_states]
         if at.true.elastic.any():
             offsets = _of_offsets(at, self.channels)
-        made = dataclasses.replace(self, unknown=np.column_stack([*offsets, states, *_of_shapes(at)]))
-        return made.with_first_states_of(at)
+        return dataclasses.replace(self, unknown=np.column_stack([*offsets, states, *_of_shapes(at)]))
 
     def with_first_states_of(self, at: Equations) -> Unweighted:
         """The same with the slopes of other equations by first states of links that are simulated.
@@ -86,7 +89,7 @@ class Unweighted:
             return self
         states, sigma = of_first_states(at)
         unknown = self.unknown.copy()
-        unknown[:, len(self.channels) : len(self.channels) + len(sigma)] = states
+        unknown[:, self.of_states] = states
         return dataclasses.replace(self, unknown=unknown, states=sigma)
 
 

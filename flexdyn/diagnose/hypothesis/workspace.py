@@ -80,13 +80,11 @@ class Workspace:
 
     def first_states(self, residual: Array) -> Array:
         """First states of simulated links in addition that fit a residual best (states,)."""
-        first = len(self.bare.channels)
-        return self._fitted_nuisances(residual)[2][first : first + len(self.bare.states)]
+        return self._fitted_nuisances(residual)[2][self.bare.of_states]
 
     def calm(self, residual: Array) -> Array:
         """The residual, not whitened, without the vibration that first states of simulated links explain (rows,)."""
-        first = len(self.bare.channels)
-        by_states = self.bare.unknown[:, first : first + len(self.bare.states)]
+        by_states = self.bare.unknown[:, self.bare.of_states]
         return residual - by_states @ self.first_states(residual) if by_states.size else residual
 
     def _fitted_nuisances(self, residual: Array) -> tuple[Array, Array, Array]:

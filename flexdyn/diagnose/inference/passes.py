@@ -109,7 +109,10 @@ def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
         return found
     # What does not even explain the first equations holds what computed positions lack: it is no place to begin.
     there = start if leaves_more_than_noise(found.fitted) else found.fitted.hypothesis
-    seen = _passes(moving, dataclasses.replace(there, fits_cycles=True))
+    try:
+        seen = _passes(moving, dataclasses.replace(there, fits_cycles=True))
+    except SimulationError:  # at numbers far from the right ones, links may not be simulated to the end
+        return found
     return found if leaves_more_than_noise(seen.fitted) else seen
 
 

@@ -63,6 +63,7 @@ class _Target:
         return memoryview(data).nbytes
 
     def truncate(self, size: int) -> int:
+        """Set the length of the file [bytes]; where the disk refuses, go on in memory."""
         try:
             return self._at.truncate(size)
         except OSError as error:
