@@ -17,6 +17,7 @@ from flexdyn.diagnose.decision.last_fit import leaves_noise
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.notes import notes, statistics, unsettled_numbers
+from flexdyn.diagnose.decision.one_law import with_best
 from flexdyn.diagnose.decision.split import DataPart, Parts
 from flexdyn.diagnose.decision.suspects import considered, structures
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
@@ -30,6 +31,7 @@ from flexdyn.diagnose.progress import tell
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
+from flexdyn.diagnose.simulated.rivals_in_windows import preferred_by_windows
 from flexdyn.diagnose.simulated.structures import Simulated, unlike_noise
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
@@ -50,6 +52,13 @@ def concluded(plain: Workspace, start: Hypothesis, compared: Posterior, found: C
     made = calibrated(plain, start)
     found, named, first = _on_fit(plain, made, found, parts[0])
     windows = _contradicting(first)
+    if windows is not None and any(each.rivals for each in found.names):
+        rivals = {each.candidate: each.rivals for each in found.names}
+        other = with_best(compared, preferred_by_windows(compared, rivals, windows))
+        if other is not compared:
+            compared = other
+            found, named, first = _on_fit(plain, made, corrected(compared, plain), parts[0])
+            windows = _contradicting(first)
     noise = leaves_noise(compared.fitted, plain)
     if windows is not None and (noise or first.farther):
         tell("comparing simulated windows", 0.75)

@@ -14,10 +14,11 @@ from flexdyn.arrays import Array, Flags
 from flexdyn.diagnose.data.filters import Filters
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.held_torque import HELD
-from flexdyn.diagnose.equations.hidden_links import hidden_links_error, noise_of_vibration
+from flexdyn.diagnose.equations.hidden_links import error_of_rests
 from flexdyn.diagnose.equations.layout import MOTOR, TOTAL
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.noise_coefficients import coefficients, freest
+from flexdyn.diagnose.equations.vibration_noise import VIBRATION_ROWS, vibration_noise
 from flexdyn.diagnose.lazy import last
 
 MASKED = 1e8
@@ -84,15 +85,18 @@ def whitener(equations: Equations, noise: SampleNoise, mask: Flags, extra: Array
     """
     from scipy.linalg import cholesky_banded
 
-    kernels, many = kernels_of(equations), len(equations.kinds)
-    counts = equations.counts
-    lags = min(len(_correlations(equations.filters, _twice(equations))["tau"]), max(counts))
+    many, counts = len(equations.kinds), equations.counts
+    lags = len(_correlations(equations.filters, _twice(equations))["tau"])
+    lags = min(max(lags, 2 * VIBRATION_ROWS - 1 if equations.simulated else 0), max(counts))
     band = np.zeros((many * sum(counts), many * lags))  # (row b, d): covariance of the rows b + d and b
     parts = np.split(band, many * np.cumsum(counts)[:-1])
     for along, part in zip(equations.motions, parts, strict=True):
         _add_noise(equations, along, noise, part, lags)
+        if equations.simulated:
+            _add_vibration(equations, along, noise, part)
     own = band[:, 0]
-    own += hidden_links_error(equations, noise.theta, kernels["theta"][0])
+    if not equations.simulated:
+        own += error_of_rests(equations)
     if extra is not None:
         own += extra
     own[:] = np.where(mask, own + MASKED * np.median(own), own * (1.0 + 1e-9))
@@ -134,11 +138,23 @@ def _add_noise(equations: Equations, along: SmoothedMotion, noise: SampleNoise, 
         for row, value in found[channel][order].items():
             table[:, k, row] = value
         signal, j = channel
-        R = correlations[signal]
+        R = correlations[signal][:lags]
         for m, (other, at) in enumerate(terms):
             if other == channel:
-                weights[:, k, m] = getattr(noise, signal)[j] ** 2 * R[:lags, order, at]
+                weights[: len(R), k, m] = getattr(noise, signal)[j] ** 2 * R[:, order, at]
     _core.noise_band(table, weights, band)
+
+
+def _add_vibration(equations: Equations, along: SmoothedMotion, noise: SampleNoise, band: Array) -> None:
+    """Add the noise of links that vibrate to the band of one recording (rows, width)."""
+    many = len(equations.kinds)
+    for each in vibration_noise(equations, along, noise.theta, kernels_of(equations)["theta"][0]):
+        for lag, of_lag in enumerate(each.covariance):
+            both = each.share[lag:] * each.share[: len(each.share) - lag]
+            begin, end = many * each.first, many * (each.first + len(both))
+            for (later, now), value in np.ndenumerate(of_lag):
+                if lag * many + later >= now:
+                    band[begin + now : end + now : many, lag * many + later - now] += value * both
 
 
 @lru_cache(maxsize=16)
@@ -201,10 +217,11 @@ def variances(equations: Equations, noise: SampleNoise, row: int, j: int) -> tup
 
 def vibration_rules(equations: Equations, noise: SampleNoise) -> bool:
     """Whether encoder noise that makes simulated links vibrate is more of some row's noise than all other noise."""
-    extra = noise_of_vibration(equations, noise.theta, kernels_of(equations)["theta"][0])
+    postures = vibration_noise(equations, equations.motions[0], noise.theta, kernels_of(equations)["theta"][0])
+    extra = np.mean([each.covariance[0] for each in postures], axis=0)
     for place, (j, _) in enumerate(equations.kinds):
         others, unit = variances(equations, noise, place, j)
-        if extra[place] > others + unit * float(noise.tau[j]) ** 2:
+        if extra[place, place] > others + unit * float(noise.tau[j]) ** 2:
             return True
     return False
 

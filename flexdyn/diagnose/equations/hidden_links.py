@@ -1,4 +1,4 @@
-"""What the rows do not know of links that nobody measures: their first states, and additional variance."""
+"""What the rows do not know of links that nobody measures: their first states, and their load while motors rest."""
 
 from __future__ import annotations
 
@@ -8,26 +8,9 @@ from flexdyn.arrays import Array
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import TOTAL
 
-FREQUENCIES = 2048
-"""Between zero and half of the sampling rate, at which the vibration of links by noise is summed up."""
 
-
-def hidden_links_error(equations: Equations, theta: Array, taps: Array) -> Array:
-    """Variance of the rows (rows,) by what is neglected of unmeasured links.
-
-    Args:
-        equations: that have the rows.
-        theta: standard deviations of the motors' encoders (n,) [rad or m].
-        taps: whole filter from a sample to a row.
-    """
-    if not equations.simulated:
-        with np.errstate(over="ignore"):  # of numbers far from the right ones: such a fit is refused
-            return np.asarray(_error_of_rests(equations) ** 2)
-    return np.tile(noise_of_vibration(equations, theta, taps), sum(equations.counts))
-
-
-def _error_of_rests(equations: Equations) -> Array:
-    """Size of what the rows (rows,) neglect while a motor rests whose link is not measured.
+def error_of_rests(equations: Equations) -> Array:
+    """Variance of the rows (rows,) by what they neglect while a motor rests whose link is not measured.
 
     The link is taken to follow its load without delay. The acceleration that this neglects winds the spring by
     ``M_ii (alpha - a) / K``; the rows contain this to first order, and the next order is at most about as large where
@@ -44,36 +27,8 @@ def _error_of_rests(equations: Equations) -> Array:
             for place, (j, kind) in enumerate(equations.kinds):
                 rows[:, place] += np.abs(loads[:, j]) if kind == TOTAL else 0.0
         parts.append(rows.ravel())
-    return np.concatenate(parts)
-
-
-def noise_of_vibration(equations: Equations, theta: Array, taps: Array) -> Array:
-    """Variance of the rows (equations,) by encoder noise that makes simulated links vibrate.
-
-    What the noise would do on rigid joints is not in it: the rows' covariance holds that.
-
-    Noise n of a motor's position moves the links by ``H n`` with ``H = (K + i w D - w^2 M)^-1 (K + i w D)``. The mass
-    matrix is the mean one.
-
-    Args:
-        equations: whose links are simulated.
-        theta: standard deviations of the motors' encoders (n,) [rad or m].
-        taps: whole filter from a sample to a row.
-
-    Returns:
-        variances of the rows of each equation (equations,).
-    """
-    model, hidden = equations.true, np.flatnonzero(equations.unmeasured)
-    turn = np.linspace(0.0, np.pi, FREQUENCIES + 1)[1:]
-    w = (turn / equations.data[0].dt)[:, None, None]
-    M = np.concatenate([along.M for along in equations.motions]).mean(axis=0)
-    spring = np.diag(model.stiffness[hidden]) + 1j * w * np.diag(model.damping[hidden])
-    heavy = -(w**2) * M[:, hidden]
-    moves = heavy @ np.linalg.solve(spring - w**2 * M[np.ix_(hidden, hidden)], spring)
-    passed = np.abs(np.exp(-1j * turn[:, None] * np.arange(len(taps))) @ taps) ** 2
-    more = np.maximum((passed[:, None, None] * (np.abs(moves) ** 2 - heavy**2)).mean(axis=0), 0.0)
-    power = more @ theta[hidden] ** 2 / equations.gains**2
-    return np.array([power[j] if kind == TOTAL else 0.0 for j, kind in equations.kinds])
+    with np.errstate(over="ignore"):  # of numbers far from the right ones: such a fit is refused
+        return np.asarray(np.concatenate(parts) ** 2)
 
 
 def of_first_states(equations: Equations) -> tuple[Array, Array]:

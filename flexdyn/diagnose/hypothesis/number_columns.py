@@ -18,7 +18,7 @@ from flexdyn.model.resolved_parameters import OF_LINK, OF_MOTOR
 from flexdyn.model.uncertain_parameters import FileNumber
 from flexdyn.simulation.link_side import LinkSide
 
-RELATIVE_NUMBER_STEP = 1e-3
+RELATIVE_NUMBER_STEP = 1e-5
 """Relative step of the differences."""
 
 

@@ -128,7 +128,7 @@ class Simulated:
             return here
         for more in self._first(self._with_one_more(here, ADDITIONS))[:1]:
             self.fit(more)
-            if self._is_worthwhile(more, here):
+            if self.is_worthwhile(more, here):
                 return self.grown(more)
         return here
 
@@ -178,7 +178,7 @@ class Simulated:
         for _ in range(SEARCH_ROUNDS if self.known else 0):
             here = self.best()
             self.around(here)
-            if not self._is_worthwhile(self.best(), here):
+            if not self.is_worthwhile(self.best(), here):
                 break
             self.grown(self.best())
         return self.best() if self.known else start
@@ -196,7 +196,7 @@ class Simulated:
             for point in near[:RIVALS_SIMULATED]:
                 self.start(rest | {point})
 
-    def _is_worthwhile(self, there: Structure, here: Structure) -> bool:
+    def is_worthwhile(self, there: Structure, here: Structure) -> bool:
         """Whether a search goes on from a structure that came after another one."""
         return self.known[there] - self.known[here] > self.fits[there].worthwhile
 
