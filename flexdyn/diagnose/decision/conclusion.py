@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flexdyn.diagnose.decision.calibrated import calibrated
-from flexdyn.diagnose.decision.corrected import Corrected, corrected
+from flexdyn.diagnose.decision.corrected import Corrected, Judges, corrected
 from flexdyn.diagnose.decision.drawn import compared_motions, ordered_pictures
 from flexdyn.diagnose.decision.figures import OnFit, OnTest, on_fit, on_test
 from flexdyn.diagnose.decision.findings import calibration, findings, reported_names, with_experiments
@@ -30,11 +30,13 @@ from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.progress import tell
 from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
+from flexdyn.diagnose.simulated.reweighting import Reweighed, reweighed, share_in_windows
 from flexdyn.diagnose.simulated.rivals_in_windows import preferred_by_windows
 from flexdyn.diagnose.simulated.structures import Simulated, unlike_noise
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
+SHORTER = 4
+"""Windows are shorter by this factor where links are not measured [1]: an impact in a gap hides where its link is."""
 WORSE = "on the data of the fit the corrected model is worse than the model as it was given"
 
 
@@ -52,6 +54,8 @@ def concluded(plain: Workspace, start: Hypothesis, compared: Posterior, found: C
     made = calibrated(plain, start)
     found, named, first = _on_fit(plain, made, found, parts[0])
     windows = _contradicting(first)
+    if windows is not None and plain.equations.unmeasured.any():
+        windows = windows.divided(SHORTER)
     if windows is not None and any(each.rivals for each in found.names):
         rivals = {each.candidate: each.rivals for each in found.names}
         other = with_best(compared, preferred_by_windows(compared, rivals, windows))
@@ -63,10 +67,11 @@ def concluded(plain: Workspace, start: Hypothesis, compared: Posterior, found: C
     if windows is not None and (noise or first.farther):
         tell("comparing simulated windows", 0.75)
         by_windows = _by_windows(plain, compared, found, windows) if noise else None
-        compared, rejected = compared if by_windows is None else by_windows, by_windows is None
+        judges: Judges = "both" if by_windows is None else "either" if by_windows.explained else "windows"
+        compared = compared if by_windows is None else by_windows.found
         share = functools.partial(share_in_windows, Simulated(compared, windows))
-        again = corrected(compared, plain, share, rejected=rejected)
-        found, named, first = _on_fit(plain, made, again, parts[0], rejected=rejected)
+        again = corrected(compared, plain, share, judges=judges)
+        found, named, first = _on_fit(plain, made, again, parts[0], rejected=judges == "both")
     tell("opening the test data", 0.85)
     last = on_test(plain, first, found, named, parts[1]) if parts[1] else None
     converged = found.converged and first.stalled is None
@@ -102,14 +107,14 @@ def _tested(answer: Diagnosis, last: OnTest, joints: Sequence[str]) -> Diagnosis
     )
 
 
-def _by_windows(plain: Workspace, compared: Posterior, found: Corrected, windows: Windows) -> Posterior | None:
+def _by_windows(plain: Workspace, compared: Posterior, found: Corrected, windows: Windows) -> Reweighed | None:
     """The posterior that simulated windows give too; None if the equations reject what they find most probable.
 
     Windows and equations are likelihoods of the same data. A structure that either of them rejects is wrong.
     """
     all_named = {c for c, _ in compared.best} <= found.named
     other = reweighed(compared, windows, lambda made: leaves_noise(made, plain), all_named=all_named)
-    return other if other is not None and leaves_noise(other.fitted, plain) else None
+    return other if other is not None and leaves_noise(other.found.fitted, plain) else None
 
 
 def _on_fit(

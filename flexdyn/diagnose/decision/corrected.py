@@ -6,6 +6,7 @@ import dataclasses
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -33,6 +34,7 @@ from flexdyn.diagnose.inference.substitutes import in_common, own_share
 from flexdyn.effects import Effect
 
 Share = Callable[[int], float]
+Judges = Literal["either", "both", "windows"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +103,7 @@ class Corrected:
 
 
 def corrected(
-    found: Posterior, plain: Workspace, simulated_share: Share | None = None, *, rejected: bool = False
+    found: Posterior, plain: Workspace, simulated_share: Share | None = None, *, judges: Judges = "either"
 ) -> Corrected:
     """Name what is established, and fit the model with these names and no others.
 
@@ -113,7 +115,8 @@ def corrected(
         plain: the equations of the model as given, with the sensors' weights.
         simulated_share: own part of a candidate in simulations over what is left there, where the linear equations do
             not make it stand out [1]; None: they alone decide.
-        rejected: whether simulations reject the structure: then a name must stand out in them too.
+        judges: in which of equations and simulations a name must stand out: in both where simulations reject the
+            structure, in windows alone where they and not the equations have found it.
     """
     space, here = found.space, found.fitted.hypothesis
     masses = _masses(found)
@@ -124,11 +127,14 @@ def corrected(
     may = functools.partial(_may_stand_in, found, masses)
     sure = [each.candidate for each in names(masses, best, None, there, may) if each.established]
     simulated = {c: simulated_share(c) for c in sure} if simulated_share else {}
-    seen, which = _genuine(found, simulated), min if rejected else max
+    seen = _genuine(found, simulated)
 
     def weighed() -> dict[int, float]:
         """Probabilities that a name is genuine, by the equations and, where there are any, by simulations."""
-        return {c: which(each, seen.get(c, each)) for c, each in own.items()}
+        judged = {c: (each, seen.get(c, each)) for c, each in own.items()}
+        if judges == "windows":
+            return {c: by_windows for c, (_, by_windows) in judged.items()}
+        return {c: max(each) if judges == "either" else min(each) for c, each in judged.items()}
 
     completed = functools.partial(completing, space, masses, there=there)
     named = names(masses, best, weighed(), there, may)

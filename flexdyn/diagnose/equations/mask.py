@@ -5,12 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from flexdyn.arrays import Flags
+from flexdyn.diagnose.constants import CERTAIN_SIGMAS
 from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL
 from flexdyn.diagnose.equations.motion import SmoothedMotion
 from flexdyn.diagnose.equations.rest import borders, near, uncertain_sign
 from flexdyn.effects import CouplingEffect
+
+LOAD_ERROR = 0.05
+"""Share of a motor's torques by which the load that they leave may be wrong [1]: a usual tolerance of their numbers."""
 
 
 def sign_mask(equations: Equations, noise: SampleNoise, *, alone: bool = False) -> Flags:
@@ -56,6 +60,25 @@ def passage_mask(equations: Equations, noise: SampleNoise) -> Flags:
         for j in np.flatnonzero(equations.unmeasured).tolist():
             hidden |= _covered(equations, along, borders(_uncertain(equations, along, noise, j, TOTAL)))
         rows = hidden[equations.filters.instants(len(along.t))]
+        found.append(np.repeat(rows, len(equations.kinds)))
+    return np.concatenate(found)
+
+
+def reversal_mask(equations: Equations, noise: SampleNoise) -> Flags:
+    """Rows (rows,) whose filters cover an instant at which the load of an unmeasured link may change its sign.
+
+    If its gear has play, nothing tells where the link is meanwhile. Else its position is between the teeth, and a small
+    offset, which gravity and inertia hardly feel.
+    """
+    found = []
+    for along in equations.motions:
+        uncertain = np.zeros(len(along.t), dtype=bool)
+        for j in np.flatnonzero(equations.unmeasured).tolist():
+            load = equations.true.stiffness[j] * along.delta[:, j]
+            torques = np.abs(along.tau[:, j]) + equations.true.rotor_inertia[j] * np.abs(along.alpha[:, j])
+            sigma = float(noise.tau[j] * np.linalg.norm(equations.filters.first.taps[0]))
+            uncertain |= np.abs(load) <= CERTAIN_SIGMAS * sigma + LOAD_ERROR * torques
+        rows = _covered(equations, along, uncertain)[equations.filters.instants(len(along.t))]
         found.append(np.repeat(rows, len(equations.kinds)))
     return np.concatenate(found)
 

@@ -11,6 +11,7 @@ from flexdyn.diagnose.data.filters import SECOND_FILTER_WIDTHS, Filters
 from flexdyn.diagnose.data.measured import Measured
 from flexdyn.diagnose.equations.covariance import SampleNoise, encoders_rule, vibration_rules
 from flexdyn.diagnose.equations.equations import Equations
+from flexdyn.diagnose.equations.mask import reversal_mask
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.unweighted import Unweighted
 from flexdyn.errors import InputError
@@ -48,6 +49,23 @@ def prepared(
         remedy = "let all joints move at once for seconds: while one sticks, its friction torque is unknown"
         raise InputError(problem, file=data[0].name, key="t", remedy=remedy)
     return bare, start
+
+
+def without_reversals(bare: Unweighted) -> Unweighted | None:
+    """Equations without the rows in which the load of a link that is not measured may change its sign.
+
+    They see nothing of a play in its gear, and all that they see is right whether there is one or not.
+
+    Args:
+        bare: equations in which the positions of these links are computed.
+
+    Returns:
+        None where all links are measured, or no row is left.
+    """
+    if not bare.equations.unmeasured.any() or bare.equations.simulated:
+        return None
+    mask = bare.mask | reversal_mask(bare.equations, bare.noise)
+    return None if mask.all() else dataclasses.replace(bare, mask=mask)
 
 
 def behind_motors(bare: Unweighted, start: Hypothesis) -> Unweighted | None:

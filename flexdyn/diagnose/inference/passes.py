@@ -14,7 +14,7 @@ from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.prepared import behind_motors
+from flexdyn.diagnose.hypothesis.prepared import behind_motors, without_reversals
 from flexdyn.diagnose.hypothesis.unweighted import Unweighted
 from flexdyn.diagnose.hypothesis.workspace import beginning_as
 from flexdyn.diagnose.inference.catalogue import everything
@@ -94,17 +94,20 @@ class Posterior:
 def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
     """Compare structures on the equations.
 
-    Where links are not measured, the equations in which they are simulated behind their motors see more, but are far
-    from linear. So they come second: where what was found leaves more than noise in them. They count if what they find
-    leaves noise: else they may hold vibrations of another cause.
+    Where links are not measured, their positions are computed, as if their gears had no play. Where this explains the
+    data except while loads change their signs, those rows are left out: simulated windows will tell what acts there.
+
+    The equations in which such links are simulated behind their motors see more, but are far from linear. So they come
+    second: where what was found leaves more than noise in them. They count if what they find leaves noise: else they
+    may hold vibrations of another cause.
 
     Args:
         bare: the equations of the model as given, with the noise that the records show.
         start: the file's numbers where they stand.
     """
     start = dataclasses.replace(start, fits_cycles=True)
-    found = _passes(bare, _in_tolerance(_numbers_alone(bare, start).hypothesis, start))
-    moving = behind_motors(bare, start)
+    found, whole = _on_computed_positions(bare, start)
+    moving = behind_motors(bare, start) if whole else None
     if moving is None or not _leaves_something(moving, found.fitted.hypothesis):
         return found
     # What does not even explain the first equations holds what computed positions lack: it is no place to begin.
@@ -114,6 +117,24 @@ def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
     except SimulationError:  # at numbers far from the right ones, links may not be simulated to the end
         return found
     return found if leaves_more_than_noise(seen.fitted) else seen
+
+
+def _on_computed_positions(bare: Unweighted, start: Hypothesis) -> tuple[Posterior, bool]:
+    """Structures compared on the first equations, and whether with the rows in which loads change their signs."""
+    between = without_reversals(bare)
+    if between is None:
+        return _from_numbers(bare, start), True
+    whole, part = (leaves_more_than_noise(_numbers_alone(each, start)) for each in (bare, between))
+    if whole and not part:  # whatever is missing acts in those rows alone
+        return _from_numbers(between, start), False
+    found = _from_numbers(bare, start)
+    other = _from_numbers(between, start) if leaves_more_than_noise(found.fitted) else None
+    return (found, True) if other is None or leaves_more_than_noise(other.fitted) else (other, False)
+
+
+def _from_numbers(bare: Unweighted, start: Hypothesis) -> Posterior:
+    """Compare structures on equations, from where the file's numbers alone fit them best."""
+    return _passes(bare, _in_tolerance(_numbers_alone(bare, start).hypothesis, start))
 
 
 def _leaves_something(bare: Unweighted, there: Hypothesis) -> bool:

@@ -7,7 +7,8 @@ from collections.abc import Collection
 import numpy as np
 from scipy.special import betaln
 
-from flexdyn.arrays import Flags, Indices
+from flexdyn.arrays import Array, Flags, Indices
+from flexdyn.diagnose.constants import OCCAM_WINDOW
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.structure_prior import log_harmonic, odds_of
@@ -65,9 +66,22 @@ class Scan:
 
     def additions(self, structure: Structure) -> list[tuple[float, tuple[int, int]]]:
         """Log posterior that the best grid point of each candidate would gain, best first."""
+        gain = self._gains(structure)
+        order = np.lexsort((np.arange(len(gain)), -gain))
+        firsts = np.sort(np.unique(self.of[order], return_index=True)[1])  # the best point of each candidate
+        best = order[firsts]
+        return [(float(gain[k]), self.owner[k]) for k in best[np.isfinite(gain[best])].tolist()]
+
+    def as_good(self, structure: Structure, c: int) -> list[tuple[int, int]]:
+        """Grid points of a candidate that would gain nearly as much as its best one."""
+        gain, own = self._gains(structure), np.flatnonzero(self.of == c)
+        return [self.owner[k] for k in own[gain[own] > gain[own].max() - OCCAM_WINDOW].tolist()]
+
+    def _gains(self, structure: Structure) -> Array:
+        """Log posterior that each grid point would gain (points,)."""
         if self.size != self.space.matrix.used:
             self._tabled()
-        gain = self.space.gram.additions(self.space.columns(structure), self.tables) + self.grid
+        gain: Array = self.space.gram.additions(self.space.columns(structure), self.tables) + self.grid
         held = self.space.places.taken(c for c, _ in structure)
         there = [group for group, _ in held]
         counts = np.array([float(there.count(kind)) for kind in self.kinds])
@@ -79,10 +93,7 @@ class Scan:
             gain[self.alike[each]] -= price[self.kinds.index(each[0])]
         for c, _ in structure:
             gain[self._clashes(c)] = -np.inf
-        order = np.lexsort((np.arange(len(gain)), -gain))
-        firsts = np.sort(np.unique(self.of[order], return_index=True)[1])  # the best point of each candidate
-        best = order[firsts]
-        return [(float(gain[k]), self.owner[k]) for k in best[np.isfinite(gain[best])].tolist()]
+        return np.asarray(gain)
 
     def _clashes(self, c: int) -> Flags:
         """Grid points that may not stand beside a candidate (points,)."""

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexdyn.analysis.jacobian import dry_velocities
 from flexdyn.arrays import Array, Flags
+from flexdyn.diagnose.equations.computed_positions import acting_on
 from flexdyn.diagnose.shooting.internal_states import internal_states
 from flexdyn.diagnose.shooting.local_cubics import UNMEASURED, channel_at_starts
 from flexdyn.diagnose.shooting.shooter import Shooter
+from flexdyn.effects import DeflectionEffect
 from flexdyn.simulation.link_side import LinkSide
 
 DEFLECTION_SHIFTS = (-0.1, 0.1, -0.3, 0.3, -1.0, 1.0)
 """Changes of an unmeasured deflection, in its standard deviations, that are tried where a window strays: while friction
 holds the measured side, its linear response says nothing of the deflection."""
+GAP_PLACES = (-1.0, -0.5, 0.0, 0.5, 1.0)
+"""Deflections within a gap, in half gaps, that are tried likewise: a link in its gap feels nothing of the motor."""
 START_BOUND_WIDTH = 5.0
 """The width of a first state's prior is this multiple of the smoothing error [1]: the window itself determines it."""
 
@@ -86,8 +90,21 @@ def window_starts(shooter: Shooter) -> Starts:
     stuck = first.copy()
     stuck[:, unseen] = 0.0
     deflected = tuple(_shifted(first, own, share * by) for own, _, by in sides for share in DEFLECTION_SHIFTS)
+    deflected += tuple(_within_gaps(shooter, first, delta))
     tied = [(own + at, measured + at) for own, measured, _ in sides for at in (0, x.shape[1] // 2)]
     return Starts(first, _covariances(np.hstack([std, z_std]), tied), stuck if unseen else None, deflected)
+
+
+def _within_gaps(shooter: Shooter, first: Array, delta: Array) -> Iterator[Array]:
+    """First states with a link elsewhere in the gap of its gear, where it has one and a side is not measured."""
+    model, n = shooter.model, shooter.model.n
+    for k, j in enumerate(shooter.elastic.tolist()):
+        joint = model.joint_names[j]
+        measured = [f"{signal}.{joint}" in shooter.windows.channels for signal in ("q", "theta")]
+        gap = sum(e.gap for e in acting_on(model, j) if isinstance(e, DeflectionEffect))
+        for share in GAP_PLACES if gap and not all(measured) else ():
+            further = share * gap - delta[:, j]
+            yield _shifted(first, n + k, further) if measured[0] else _shifted(first, j, -further)
 
 
 def _vibrations(shooter: Shooter, q: Array) -> Array:

@@ -122,6 +122,16 @@ class Windows:
         """At most `most` windows, evenly spaced."""
         return dataclasses.replace(self, places=self.places[evenly(len(self), most)])
 
+    def lasting(self, seconds: float) -> Windows:
+        """Evenly spaced ones that last together so long [s], or all."""
+        return self.thinned(max(1, round(seconds / (self.rows * self.period))))
+
+    def divided(self, parts: int) -> Windows:
+        """The same samples in windows that are shorter by a whole factor, but for a rest of each."""
+        rows = self.rows // self.block // parts * self.block
+        places = [(k, row + part * rows) for k, row in self.places.tolist() for part in range(parts)]
+        return dataclasses.replace(self, places=np.array(places, np.int64), rows=rows)
+
     def preceded(self) -> Windows:
         """Those that do not begin with their recording; all, where there are no others.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from flexdyn.diagnose.constants import CERTAIN_SIGMAS, NOISE_LEVEL_ERROR
 from flexdyn.diagnose.hypothesis.fitted import Fit
@@ -17,8 +18,25 @@ from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
 from flexdyn.effects import JointEffect
 from flexdyn.errors import FlexdynError
 
-COMPARED_WINDOWS = 16
-"""Windows over which structures are compared, spread evenly: 8 s; what is found is held against all of them."""
+COMPARED_SECONDS = 8.0
+"""Length of all windows together over which structures are compared, spread evenly [s]: 16 of the usual ones. What is
+found is held against all of them."""
+MUCH_NEARER = 0.5
+"""Share of what separates the windows from noise, in log likelihood, that a structure must gain to take the place of
+the one that the equations prefer, where it does not come to noise [1]. Choice."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reweighed:
+    """A posterior by simulated windows.
+
+    Attributes:
+        found: the posterior.
+        explained: whether its best structure brings the windows to noise.
+    """
+
+    found: Posterior
+    explained: bool
 
 
 def share_in_windows(simulated: Simulated, candidate: int) -> float:
@@ -78,13 +96,14 @@ def _is_certain(simulated: Simulated, best: Structure) -> bool:
 
 def reweighed(
     found: Posterior, windows: Windows, fits: Callable[[Fit], bool], *, all_named: bool = True
-) -> Posterior | None:
+) -> Reweighed | None:
     """The posterior with the numbers, and if needed the structures, that fit simulated windows.
 
     Where numbers of the best structure bring its windows to noise, and the equations too, structures stay as the
     equations have them, if all of the best one has names: a part without a name may be what the windows lack. Else its
     neighbours are simulated, and theirs. What comes to noise in the end takes its place, and the structures that were
     simulated are weighed by their windows. Where only a few windows are off, all of them must come to noise together.
+    What does not come to noise, but much nearer to it, takes its place too, and is no full explanation.
 
     A structure of more than `LARGEST_QUESTIONED` candidates is not searched.
 
@@ -95,16 +114,16 @@ def reweighed(
         all_named: whether the best structure holds nothing without a name.
 
     Returns:
-        None where nothing brings the windows to noise.
+        None where nothing brings the windows much nearer to noise.
     """
-    here = WindowFit.of(found.fitted, windows)
+    here = first = WindowFit.of(found.fitted, windows)
     few = here.shot.is_noise()  # what is missing shows in a few windows alone, as wrong sticking does
-    simulated = Simulated(found, windows.thinned(COMPARED_WINDOWS))
+    simulated = Simulated(found, windows.lasting(COMPARED_SECONDS))
     if unlike_noise(here.shot):
         here = _with_other_numbers(simulated, here)
     large = len(found.best) > LARGEST_QUESTIONED
     if (all_named or large) and not unlike_noise(here.shot) and fits(here.made):
-        return dataclasses.replace(found, fitted=here.made)
+        return Reweighed(dataclasses.replace(found, fitted=here.made), True)
     if large:
         return None
     best = simulated.climbed(found.best)
@@ -112,9 +131,13 @@ def reweighed(
         return None
     if best != found.best:
         here = fit_to_windows(WindowFit.of(simulated.fits[best].made, windows))
-    if not here.shot.is_noise() or (few and unlike_noise(here.shot)):
+    explained = here.shot.is_noise() and not (few and unlike_noise(here.shot))
+    if not explained and here.log_posterior < first.log_posterior + max(
+        first.worthwhile, MUCH_NEARER * first.shot.above_noise
+    ):
         return None
     # The windows have decided between what the linearisations did not agree about.
-    return dataclasses.replace(
+    by_windows = dataclasses.replace(
         found, best=best, fitted=here.made, known=simulated.known, earlier=(), by_fits=(), left_out={}
     )
+    return Reweighed(by_windows, explained)

@@ -8,7 +8,7 @@ from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.diagnose.simulated.reweighting import COMPARED_WINDOWS
+from flexdyn.diagnose.simulated.reweighting import COMPARED_SECONDS
 from flexdyn.diagnose.simulated.structures import Simulated
 
 
@@ -23,7 +23,7 @@ def preferred_by_windows(found: Posterior, rivals: Mapping[int, Sequence[int]], 
         rivals: by candidate that has a name, those that share it.
         windows: of the data of the fit.
     """
-    simulated, scan = Simulated(found, windows.thinned(COMPARED_WINDOWS)), Scan(found.space)
+    simulated, scan = Simulated(found, windows.lasting(COMPARED_SECONDS)), Scan(found.space)
     best, here = found.best, frozenset(each for each in found.best if each[0] in rivals)
     simulated.start(here)
     for candidate, others in rivals.items():

@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import math
 
+import numpy as np
+
 from flexdyn.diagnose.constants import CERTAIN_SIGMAS, ERRORS_PER_WINDOW, NOISE_LEVEL_ERROR, STRONG_GAIN_SHARE
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
@@ -14,7 +16,7 @@ from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.shooting.gap import Shot
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
+from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows, searched
 from flexdyn.diagnose.simulated.window_scan import Addition, Responses, is_asked, promising
 from flexdyn.errors import FlexdynError
 
@@ -95,7 +97,8 @@ class Simulated:
         self.start(structure)
         with contextlib.suppress(FlexdynError):
             if structure in self.fits:
-                self._take(structure, fit_to_windows(self.fits[structure]))
+                here = self.fits[structure]
+                self._take(structure, fit_to_windows(searched(here) if unlike_noise(here.shot) else here))
                 self.fitted.add(structure)
 
     def _take(self, structure: Structure, made: WindowFit) -> None:
@@ -135,20 +138,45 @@ class Simulated:
     def _with_one_more(self, base: Structure, most: int, but: int | None = None) -> list[Structure]:
         """A structure with each of the candidates that the equations, or its windows, like best; simulated.
 
-        No linear response tells of a spring that makes a rigid joint vibrate: such candidates are simulated anyway.
+        No linear response tells of a spring that makes a rigid joint vibrate: such candidates are simulated anyway. Nor
+        does one tell of a law without a linear number, such as a gap: all its grid points are simulated between which
+        the equations do not choose.
         """
-        liked = [point for _, point in Scan(self.found.space).additions(base) if point[0] != but]
+        scan = Scan(self.found.space)
+        liked = [point for _, point in scan.additions(base) if point[0] != but]
         promised = {each.point: each for each in self._promising(base) if each.point[0] != but}
         unasked = [point for point in liked if not is_asked(self.found.space, point[0])]
         if base in self.fitted:  # of others its windows say that they would be none
             liked = [point for point in liked if point in promised]
         points = dict.fromkeys([*liked[:most], *list(promised)[:most], *unasked[:most]])
+        if base in self.fitted:
+            points |= dict.fromkeys(self._beside(base, but))
         for point in points:
             if point in promised:
                 self.start_with(base, promised[point])
             else:
                 self.start(base | {point})
         return [base | {point} for point in points]
+
+    def _beside(self, base: Structure, but: int | None) -> list[tuple[int, int]]:
+        """Grid points of laws without a linear number between which the equations do not choose; simulated.
+
+        The other numbers are those of the structure.
+        """
+        scan, candidates = Scan(self.found.space), self.found.space.candidates
+        fixed = [c for _, (c, _) in scan.additions(base) if (of := candidates[c].proposal) is not None and of.fixed]
+        found = []
+        for c in fixed:
+            points = scan.as_good(base, c)
+            for point in points if len(points) > 1 and c != but else ():
+                effect = candidates[c].effect(point[1], np.zeros(0))
+                if effect is not None and base | {point} not in self.fits:
+                    with contextlib.suppress(FlexdynError):
+                        here = self.fits[base]
+                        made = here.with_one_more(effect, None, np.zeros(len(here.made.regression.sigma)))
+                        self._take(base | {point}, made)
+                    found.append(point)
+        return found
 
     def _promising(self, base: Structure) -> list[Addition]:
         """What the windows of a structure would gain; nothing where its numbers were not fitted to them."""

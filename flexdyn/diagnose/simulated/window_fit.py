@@ -24,6 +24,8 @@ WINDOW_FIT_STEPS = 8
 """Gauss-Newton steps at most."""
 STEP_SHARES = (1.0, 0.3, 0.1)
 """Shares of a step that are tried."""
+SEARCH_FACTORS = (1.5, 1.2, 1.06, 1.02, 1.007)
+"""Factors of the search for numbers of laws that have no linear one [1]."""
 WORTHWHILE_SHARE = 0.05
 """The same as a share of what separates the windows from noise [1]: steps that gain less do not lead there."""
 
@@ -124,6 +126,41 @@ def fit_to_windows(start: WindowFit) -> WindowFit:
             return dataclasses.replace(best, made=dataclasses.replace(_problem(best, J), stationary=settled))
         J = slopes(best.made.hypothesis, best.shot, scales_of(best.made.hypothesis))
     return dataclasses.replace(best, made=_problem(best, J))
+
+
+def searched(start: WindowFit) -> WindowFit:
+    """The same with those numbers of laws without a linear one that suit the windows best, found without slopes.
+
+    How a link strikes the ends of a gap is far from linear in its width: a fit that begins at another width stalls.
+    Each number is made larger or smaller by a factor, and by a smaller one where that is no better (a pattern search:
+    Hooke and Jeeves, J. ACM 8, 1961).
+    """
+    best = start
+    for place, effect in enumerate(start.made.hypothesis.effects):
+        for name in () if effect.linear or effect.linear_bounds else effect.axes:
+            for factor in SEARCH_FACTORS:
+                best = _scaled_while_better(best, place, name, factor)
+    return best
+
+
+def _scaled_while_better(best: WindowFit, place: int, name: str, factor: float) -> WindowFit:
+    """The windows with a number of an effect larger or smaller by a factor, as often as that is better."""
+    for step in (factor, 1.0 / factor):
+        first = best
+        while (other := _with_scaled(best, place, name, step)).log_posterior > best.log_posterior:
+            best = other
+        if best is not first:
+            break
+    return best
+
+
+def _with_scaled(here: WindowFit, place: int, name: str, factor: float) -> WindowFit:
+    """The windows with another number of an effect."""
+    hypothesis = here.made.hypothesis
+    effect = hypothesis.effects[place]
+    changed = hypothesis.with_instead(effect, effect.replace(**{name: factor * getattr(effect, name)}))
+    made = dataclasses.replace(here.made, hypothesis=changed, equations=here.made.space.equations.of(changed.model()))
+    return WindowFit.of(made, here.shot.windows, here.shot.x0)
 
 
 def _problem(here: WindowFit, J: Array) -> Fit:
