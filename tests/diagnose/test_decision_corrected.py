@@ -25,7 +25,7 @@ from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.hypothesis.proposal import Proposal
 from flexdyn.diagnose.hypothesis.workspace import weighed
 from flexdyn.diagnose.inference.candidate import Candidate
-from flexdyn.diagnose.inference.passes import posterior
+from flexdyn.diagnose.inference.posterior import posterior
 from flexdyn.effects import (
     AsymmetricFriction,
     CoulombFriction,

@@ -14,7 +14,7 @@ from flexdyn.diagnose.decision.split import parts
 from flexdyn.diagnose.experiment.rehearsal import CLEAR_DELTA_BIC
 from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.hypothesis.workspace import weighed
-from flexdyn.diagnose.inference.passes import posterior
+from flexdyn.diagnose.inference.posterior import posterior
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 
 RATE, MASS, LEVEL = 250.0, 2.5, 0.8

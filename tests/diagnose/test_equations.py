@@ -159,7 +159,10 @@ def test_a_laws_column_is_the_slope_of_the_residual(signals: tuple[str, ...]) ->
         slope = (sides[0] - sides[1]) / 2e-3
         assert np.linalg.norm(found - slope) < near * np.linalg.norm(slope) + 1e-9, number
         law = next(each for each in LAWS if getattr(each, number.parameter, None) == number.value)
-        by_value = columns.of_parameter(at, law, number.parameter, 1e-3 * number.value) * number.value
+        by_value = (
+            columns.of_parameter(at, law, number.parameter, number_columns.RELATIVE_NUMBER_STEP * number.value)
+            * number.value
+        )
         assert np.linalg.norm(found - by_value) < 1e-6 * np.linalg.norm(found), number
 
 

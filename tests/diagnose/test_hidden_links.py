@@ -25,7 +25,7 @@ from flexdyn.diagnose.hypothesis.linear import linearised
 from flexdyn.diagnose.hypothesis.prepared import MOST_SIMULATED, behind_motors, prepared, recorded_noise
 from flexdyn.diagnose.hypothesis.unweighted import Unweighted
 from flexdyn.diagnose.hypothesis.workspace import Workspace, beginning_as, weighed
-from flexdyn.diagnose.inference.passes import posterior
+from flexdyn.diagnose.inference.posterior import posterior
 from flexdyn.model.uncertain_parameters import file_numbers
 from tests.arms import two_link
 from tests.diagnose.truths import ARM, JOINTS, RATE, one_after_the_other

@@ -7,7 +7,8 @@ import dataclasses
 import pytest
 
 from flexdyn.diagnose.constants import IN_TOLERANCE
-from flexdyn.diagnose.inference.passes import _in_tolerance, linearised_elsewhere
+from flexdyn.diagnose.inference.passes import linearised_elsewhere
+from flexdyn.diagnose.inference.posterior import _in_tolerance
 from tests.diagnose.test_estimate import problem
 
 

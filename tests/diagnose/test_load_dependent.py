@@ -14,7 +14,7 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.inference.catalogue import columns_of, everything
-from flexdyn.diagnose.inference.passes import posterior
+from flexdyn.diagnose.inference.posterior import posterior
 from tests.arms import slider
 
 Array = NDArray[np.float64]

@@ -17,7 +17,8 @@ from flexdyn.diagnose.decision.rivals_in_fits import rivals_in_fits
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.inference.odds_by_fits import most_likely_visited
-from flexdyn.diagnose.inference.passes import Posterior, posterior
+from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.posterior import posterior
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from tests.diagnose.test_simulated import FORCE, LEVEL, LEVELS, MASS, RATE
 from tests.diagnose.truths import slider_model, slider_recording, sliding

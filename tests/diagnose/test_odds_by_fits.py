@@ -16,7 +16,7 @@ from flexdyn.diagnose.inference.catalogue import everything
 from flexdyn.diagnose.inference.linearisation import Linearisation
 from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.odds_by_fits import odds_by_fits
-from flexdyn.diagnose.inference.passes import posterior
+from flexdyn.diagnose.inference.posterior import posterior
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.effects import CoulombFriction

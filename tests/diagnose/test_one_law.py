@@ -12,7 +12,8 @@ from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.one_law import by_plainer_laws, in_one_law
 from flexdyn.diagnose.hypothesis.prepared import prepared
-from flexdyn.diagnose.inference.passes import Posterior, posterior
+from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.posterior import posterior
 from tests.diagnose.slides import model, named, recording
 
 UP, DOWN = 7.0, 3.0

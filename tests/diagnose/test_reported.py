@@ -15,7 +15,8 @@ from flexdyn.diagnose.decision.one_law import by_plainer_laws, with_best
 from flexdyn.diagnose.decision.reported import reported
 from flexdyn.diagnose.hypothesis.prepared import prepared
 from flexdyn.diagnose.hypothesis.workspace import Workspace, weighed
-from flexdyn.diagnose.inference.passes import Posterior, posterior
+from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.posterior import posterior
 from tests.diagnose.slides import RATE, model, recording
 
 UP, DOWN = 7.0, 3.0

@@ -8,7 +8,7 @@ import pytest
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.hypothesis.prepared import prepared
-from flexdyn.diagnose.inference.passes import posterior
+from flexdyn.diagnose.inference.posterior import posterior
 
 HARMONIC = 5.3
 NOISE = {"q": 1e-6, "theta": 2e-7, "tau": 0.01}

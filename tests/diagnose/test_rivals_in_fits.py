@@ -16,7 +16,8 @@ from flexdyn.diagnose.decision.naming import names
 from flexdyn.diagnose.decision.one_law import with_best
 from flexdyn.diagnose.decision.rivals_in_fits import rivals_in_fits
 from flexdyn.diagnose.hypothesis.prepared import prepared
-from flexdyn.diagnose.inference.passes import Posterior, posterior
+from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.posterior import posterior
 from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
 from flexdyn.diagnose.inference.substitutes import in_common

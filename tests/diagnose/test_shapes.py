@@ -11,7 +11,8 @@ import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.prepared import prepared
-from flexdyn.diagnose.inference.passes import Posterior, posterior
+from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.posterior import posterior
 from flexdyn.diagnose.inference.shapes import likeliest_shapes
 
 EXCESS, VELOCITY = 1.0, 0.08

@@ -14,12 +14,13 @@ from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.prepared import prepared
-from flexdyn.diagnose.inference.passes import Posterior, posterior
+from flexdyn.diagnose.inference.passes import Posterior
+from flexdyn.diagnose.inference.posterior import posterior
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
-from flexdyn.diagnose.simulated.structures import Simulated, unlike_noise
-from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
+from flexdyn.diagnose.simulated.structures import Simulated
+from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows, unlike_noise
 from flexdyn.diagnose.simulated.window_scan import promising
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 from tests.diagnose.workspaces import workspace
@@ -122,8 +123,10 @@ def test_windows_bring_back_what_the_search_had_lost(tmp_path: Path) -> None:
     nothing = frozenset[tuple[int, int]]()
     empty = fit(start, found.fitted.space, steps=1)
     lost = dataclasses.replace(found, best=nothing, fitted=empty, earlier=(frozenset(),))
-    again = reweighed(lost, windows, lambda made: True)
-    assert again is not None
+    by_windows = reweighed(lost, windows, lambda made: True)
+    assert by_windows is not None
+    assert by_windows.explained
+    again = by_windows.found
     (level,) = (each.level for each in again.fitted.hypothesis.effects if isinstance(each, fd.effects.CoulombFriction))
     assert level == pytest.approx(LEVEL, rel=0.03)
     assert not again.earlier
@@ -143,10 +146,10 @@ def test_windows_decide_about_a_part_that_the_equations_leave_without_a_name(tmp
     as_before = reweighed(unsure, windows, lambda made: True)
     weighed = reweighed(unsure, windows, lambda made: True, all_named=False)
     assert as_before is not None
-    assert as_before.known == unsure.known
+    assert as_before.found.known == unsure.known
     assert weighed is not None
-    assert weighed.best == found.best
-    assert weighed.known[found.best] > weighed.known[nothing] + 100.0
+    assert weighed.found.best == found.best
+    assert weighed.found.known[found.best] > weighed.found.known[nothing] + 100.0
 
 
 def test_windows_at_noise_lack_nothing(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import pytest
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
 from flexdyn.diagnose.hypothesis.prepared import prepared
-from flexdyn.diagnose.inference.passes import posterior
+from flexdyn.diagnose.inference.posterior import posterior
 from flexdyn.effects import TorqueSaturation, ViscousFriction
 from tests.diagnose.slides import model, named, recording
 

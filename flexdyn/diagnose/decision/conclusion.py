@@ -32,7 +32,8 @@ from flexdyn.diagnose.report.result import Diagnosis
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import Reweighed, reweighed, share_in_windows
 from flexdyn.diagnose.simulated.rivals_in_windows import preferred_by_windows
-from flexdyn.diagnose.simulated.structures import Simulated, unlike_noise
+from flexdyn.diagnose.simulated.structures import Simulated
+from flexdyn.diagnose.simulated.window_fit import unlike_noise
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
 SHORTER = 4

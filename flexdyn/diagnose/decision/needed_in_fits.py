@@ -14,7 +14,6 @@ from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.posterior_of_fit import carried_on, fit_if_likely, log_posterior
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_model import effect_of
-from flexdyn.model.uncertain_parameters import FileNumber
 
 
 def needed_in_fits(found: Posterior) -> Posterior:
@@ -42,7 +41,7 @@ def needed_in_fits(found: Posterior) -> Posterior:
         for each in doubtful:  # one fit at a time is kept: they are large
             start = _hypothesis_without(made.hypothesis, space.candidates[each[0]])
             values[each], other = fit_if_likely(space, best - {each}, start, made, here - OCCAM_WINDOW)
-            if other is not None and _beyond(other.hypothesis) - _beyond(made.hypothesis):
+            if other is not None and other.hypothesis.displaced - made.hypothesis.displaced:
                 values[each], other = -math.inf, None  # numbers of the file imitate the candidate
             if values[each] >= values[least] and other is not None:
                 least, rest = each, other
@@ -53,11 +52,6 @@ def needed_in_fits(found: Posterior) -> Posterior:
         best, made = best - {least}, rest
         doubtful = [each for each in doubtful if each != least and values[each] > here - OCCAM_WINDOW]
     return dataclasses.replace(found, best=best, fitted=made, by_fits=tuple(odds), left_out=left_out)
-
-
-def _beyond(here: Hypothesis) -> set[FileNumber]:
-    """Numbers of the file that a hypothesis has beyond their tolerance, though it does not free them."""
-    return {number for number in here.factors if number not in here.freed and here.is_beyond(number)}
 
 
 def _hypothesis_without(here: Hypothesis, candidate: Candidate) -> Hypothesis:

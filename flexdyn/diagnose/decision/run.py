@@ -123,7 +123,7 @@ def _diagnosed(
 ) -> Diagnosis:
     from flexdyn.diagnose.decision.conclusion import concluded
     from flexdyn.diagnose.decision.reported import reported
-    from flexdyn.diagnose.inference.passes import posterior
+    from flexdyn.diagnose.inference.posterior import posterior
 
     tell(STAGES[0], 0.0)
     given = model

@@ -66,7 +66,7 @@ def vibration_noise(equations: Equations, along: SmoothedMotion, theta: Array, t
     for centre in range(0, count - 1 + VIBRATION_ROWS, VIBRATION_ROWS):
         M = inertias[min(centre, count - 1)]
         loads = M[np.ix_(rows, hidden)] / equations.gains[rows, None]
-        moves = _moves(M[np.ix_(hidden, hidden)], equations, hidden, w)
+        moves = _moved_by_motors(M[np.ix_(hidden, hidden)], equations, hidden, w)
         rigid, swung = loads * theta[hidden], loads @ moves * theta[hidden]
         power = swung @ swung.conj().transpose(0, 2, 1) - rigid @ rigid.T
         covariance = np.zeros((len(lags), many, many))
@@ -77,7 +77,7 @@ def vibration_noise(equations: Equations, along: SmoothedMotion, theta: Array, t
     return found
 
 
-def _moves(M: Array, equations: Equations, hidden: Indices, w: Array) -> NDArray[np.complex128]:
+def _moved_by_motors(M: Array, equations: Equations, hidden: Indices, w: Array) -> NDArray[np.complex128]:
     """H (frequencies, links, links): how far links move with their motors, by the poles of ``M q'' + D q' + K q``."""
     K, D = (np.diag(each[hidden]) for each in (equations.true.stiffness, equations.true.damping))
     n, inverse = len(M), np.linalg.inv(M)

@@ -56,6 +56,11 @@ class Hypothesis:
         """Whether a number is out of its tolerance."""
         return abs(self.factors[number] - 1.0) > IN_TOLERANCE * number.tolerance
 
+    @property
+    def displaced(self) -> set[FileNumber]:
+        """Numbers that are out of their tolerance though they are not freed: they imitate something."""
+        return {number for number in self.factors if number not in self.freed and self.is_beyond(number)}
+
     def tolerated(self) -> Hypothesis:
         """The same with its numbers back within their tolerance: the cause of their displacement may be gone."""
         factors = dict(self.factors)

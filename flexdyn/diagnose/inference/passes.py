@@ -11,10 +11,8 @@ import numpy as np
 
 from flexdyn.diagnose.constants import STRONG_GAIN_SHARE
 from flexdyn.diagnose.equations.covariance import SampleNoise
-from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.prepared import behind_motors, without_reversals
 from flexdyn.diagnose.hypothesis.unweighted import Unweighted
 from flexdyn.diagnose.hypothesis.workspace import beginning_as
 from flexdyn.diagnose.inference.catalogue import everything
@@ -34,10 +32,8 @@ from flexdyn.diagnose.inference.search import explore
 from flexdyn.diagnose.inference.shapes import likeliest_shapes
 from flexdyn.diagnose.inference.space import Identities, Space, Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, waits
-from flexdyn.diagnose.inference.weights import for_fit, quieter
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
-from flexdyn.errors import SimulationError
 
 MOST_PASSES = 5
 """Linearisations at most."""
@@ -46,8 +42,8 @@ MODEL_ERROR_ROUNDS = 25
 STALLED_SHARE = 0.3
 """Share of what a pass on simulated links left from which the next one has come no further [1]: right laws leave noise,
 or orders less where several are missing."""
-NUMBERS_STEPS, PASS_STEPS = 3, 4
-"""Gauss-Newton steps at most: of the file's numbers alone, and between two linearisations."""
+PASS_STEPS = 4
+"""Gauss-Newton steps at most between two linearisations."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,61 +87,7 @@ class Posterior:
         return tuple(zip(sets, odds_by_fits(self.space, self.best, self.fitted, sets), strict=True)) if sets else ()
 
 
-def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
-    """Compare structures on the equations.
-
-    Where links are not measured, their positions are computed, as if their gears had no play. Where this explains the
-    data except while loads change their signs, those rows are left out: simulated windows will tell what acts there.
-
-    The equations in which such links are simulated behind their motors see more, but are far from linear. So they come
-    second: where what was found leaves more than noise in them. They count if what they find leaves noise: else they
-    may hold vibrations of another cause.
-
-    Args:
-        bare: the equations of the model as given, with the noise that the records show.
-        start: the file's numbers where they stand.
-    """
-    start = dataclasses.replace(start, fits_cycles=True)
-    found, whole = _on_computed_positions(bare, start)
-    moving = behind_motors(bare, start) if whole else None
-    if moving is None or not _leaves_something(moving, found.fitted.hypothesis):
-        return found
-    # What does not even explain the first equations holds what computed positions lack: it is no place to begin.
-    there = start if leaves_more_than_noise(found.fitted) else found.fitted.hypothesis
-    try:
-        seen = _passes(moving, dataclasses.replace(there, fits_cycles=True))
-    except SimulationError:  # at numbers far from the right ones, links may not be simulated to the end
-        return found
-    return found if leaves_more_than_noise(seen.fitted) else seen
-
-
-def _on_computed_positions(bare: Unweighted, start: Hypothesis) -> tuple[Posterior, bool]:
-    """Structures compared on the first equations, and whether with the rows in which loads change their signs."""
-    between = without_reversals(bare)
-    if between is None:
-        return _from_numbers(bare, start), True
-    whole, part = (leaves_more_than_noise(_numbers_alone(each, start)) for each in (bare, between))
-    if whole and not part:  # whatever is missing acts in those rows alone
-        return _from_numbers(between, start), False
-    found = _from_numbers(bare, start)
-    other = _from_numbers(between, start) if leaves_more_than_noise(found.fitted) else None
-    return (found, True) if other is None or leaves_more_than_noise(other.fitted) else (other, False)
-
-
-def _from_numbers(bare: Unweighted, start: Hypothesis) -> Posterior:
-    """Compare structures on equations, from where the file's numbers alone fit them best."""
-    return _passes(bare, _in_tolerance(_numbers_alone(bare, start).hypothesis, start))
-
-
-def _leaves_something(bare: Unweighted, there: Hypothesis) -> bool:
-    """Whether a hypothesis leaves more than noise in other equations, its numbers fitted to them."""
-    try:
-        return leaves_more_than_noise(_numbers_alone(beginning_as(bare, there), there))
-    except SimulationError:
-        return False
-
-
-def _passes(bare: Unweighted, here: Hypothesis) -> Posterior:
+def passes(bare: Unweighted, here: Hypothesis) -> Posterior:
     """Compare structures on one kind of equations.
 
     Where links are simulated, a pass that leaves more than noise, and not much less than the last one, ends it.
@@ -202,13 +144,6 @@ def _passes(bare: Unweighted, here: Hypothesis) -> Posterior:
     return Posterior(bare, space, best, fitted, settled, space.known, earlier=earlier)
 
 
-def _numbers_alone(bare: Unweighted, start: Hypothesis) -> Fit:
-    """A first fit of the file's numbers."""
-    at = bare.equations.of(start.model())
-    bare = dataclasses.replace(bare, noise=quieter(bare.noise, at, bare.mask))
-    return fit(start, for_fit(bare, start), steps=NUMBERS_STEPS)
-
-
 def linearised_elsewhere(compared: list[Identities], places: Identities) -> tuple[Identities, ...]:
     """Structures at other linearisations.
 
@@ -216,15 +151,6 @@ def linearised_elsewhere(compared: list[Identities], places: Identities) -> tupl
     """
     since = len(compared) - 1 - compared[::-1].index(places) if places in compared else 0
     return tuple(compared[since + 1 :])
-
-
-def _in_tolerance(fitted: Hypothesis, start: Hypothesis) -> Hypothesis:
-    """A fit of the file's numbers; where it moves one of them beyond its tolerance, the numbers as they were.
-
-    Such a fit imitates a missing effect. Where stiffnesses and masses stand in for it, the linear equations of the
-    effect itself are wrong by products of these changes.
-    """
-    return fitted if fitted.tolerated().factors == fitted.factors else start
 
 
 def _best_here(space: Space, stands: Structure) -> Structure:

@@ -13,8 +13,8 @@ from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.diagnose.simulated.structures import LARGEST_QUESTIONED, Simulated, unlike_noise
-from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows
+from flexdyn.diagnose.simulated.structures import LARGEST_QUESTIONED, Simulated
+from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows, unlike_noise
 from flexdyn.effects import JointEffect
 from flexdyn.errors import FlexdynError
 
@@ -99,11 +99,12 @@ def reweighed(
 ) -> Reweighed | None:
     """The posterior with the numbers, and if needed the structures, that fit simulated windows.
 
-    Where numbers of the best structure bring its windows to noise, and the equations too, structures stay as the
-    equations have them, if all of the best one has names: a part without a name may be what the windows lack. Else its
-    neighbours are simulated, and theirs. What comes to noise in the end takes its place, and the structures that were
-    simulated are weighed by their windows. Where only a few windows are off, all of them must come to noise together.
-    What does not come to noise, but much nearer to it, takes its place too, and is no full explanation.
+    Where numbers in their tolerance bring the windows of the best structure to noise, and the equations too, structures
+    stay as the equations have them, if all of the best one has names: a part without a name may be what the windows
+    lack. Else its neighbours are simulated, and theirs. What comes to noise in the end takes its place, and the
+    structures that were simulated are weighed by their windows. Where only a few windows are off, all of them must come
+    to noise together. What does not come to noise, but much nearer to it, takes its place too, and is no full
+    explanation.
 
     A structure of more than `LARGEST_QUESTIONED` candidates is not searched.
 
@@ -122,7 +123,7 @@ def reweighed(
     if unlike_noise(here.shot):
         here = _with_other_numbers(simulated, here)
     large = len(found.best) > LARGEST_QUESTIONED
-    if (all_named or large) and not unlike_noise(here.shot) and fits(here.made):
+    if (all_named or large) and here.explains and fits(here.made):
         return Reweighed(dataclasses.replace(found, fitted=here.made), True)
     if large:
         return None

@@ -7,16 +7,15 @@ import math
 
 import numpy as np
 
-from flexdyn.diagnose.constants import CERTAIN_SIGMAS, ERRORS_PER_WINDOW, NOISE_LEVEL_ERROR, STRONG_GAIN_SHARE
+from flexdyn.diagnose.constants import STRONG_GAIN_SHARE
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_model import hypothesis_of
-from flexdyn.diagnose.shooting.gap import Shot
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows, searched
+from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows, searched, unlike_noise
 from flexdyn.diagnose.simulated.window_scan import Addition, Responses, is_asked, promising
 from flexdyn.errors import FlexdynError
 
@@ -33,17 +32,6 @@ FITTED_SWAPS = 2
 """Swaps whose numbers are fitted to the windows: those that are nearest before."""
 EQUATIONS_FIT_STEPS = 6
 """Steps of the fit to the equations, with a warm start at the linear estimate."""
-
-
-def unlike_noise(shot: Shot, floor: float = 1.0) -> bool:
-    """Whether windows leave together more than noise, chance and a misjudged level of the noise.
-
-    Args:
-        shot: the windows; where only some are off, their median says nothing of it.
-        floor: the gap of a perfect model, if it is more than 1.
-    """
-    chance = CERTAIN_SIGMAS * math.sqrt(2.0 / (ERRORS_PER_WINDOW * len(shot.x0)))
-    return shot.left > (1.0 + NOISE_LEVEL_ERROR + chance) * max(floor, 1.0) ** 2
 
 
 class Simulated:
@@ -127,7 +115,7 @@ class Simulated:
 
         Windows that are at noise lack nothing: more would only change in which ones a joint sticks.
         """
-        if len(here) >= LARGEST_QUESTIONED or not unlike_noise(self.fits[here].shot):
+        if len(here) >= LARGEST_QUESTIONED or self.fits[here].explains:
             return here
         for more in self._first(self._with_one_more(here, ADDITIONS))[:1]:
             self.fit(more)
@@ -197,11 +185,11 @@ class Simulated:
             start = self.best()
         for each in (start, frozenset[tuple[int, int]]()):
             self.start(each)
-            lacking = each not in self.fits or unlike_noise(self.fits[each].shot)
+            lacking = each not in self.fits or not self.fits[each].explains
             self.fit(each)
             if lacking and each in self.fitted:
                 self.grown(each)
-            if not lacking or (self.known and not unlike_noise(self.fits[self.best()].shot)):
+            if not lacking or (self.known and self.fits[self.best()].explains):
                 break
         for _ in range(SEARCH_ROUNDS if self.known else 0):
             here = self.best()

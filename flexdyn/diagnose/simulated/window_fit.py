@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.constants import WORTHWHILE_GAIN
+from flexdyn.diagnose.constants import CERTAIN_SIGMAS, ERRORS_PER_WINDOW, NOISE_LEVEL_ERROR, WORTHWHILE_GAIN
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis, moved
 from flexdyn.diagnose.hypothesis.linear import priors, scales_of, within_bounds
@@ -58,6 +59,17 @@ def _with_a_step(here: Hypothesis, k: int, scales: tuple[float, ...]) -> tuple[H
     return here.with_instead(effect, changed), SCALED_STEP
 
 
+def unlike_noise(shot: Shot, floor: float = 1.0) -> bool:
+    """Whether windows leave together more than noise, chance and a misjudged level of the noise.
+
+    Args:
+        shot: the windows; where only some are off, their median says nothing of it.
+        floor: the gap of a perfect model, if it is more than 1.
+    """
+    chance = CERTAIN_SIGMAS * math.sqrt(2.0 / (ERRORS_PER_WINDOW * len(shot.x0)))
+    return shot.left > (1.0 + NOISE_LEVEL_ERROR + chance) * max(floor, 1.0) ** 2
+
+
 @dataclass(frozen=True, eq=False)
 class WindowFit:
     """A hypothesis and its windows.
@@ -83,6 +95,11 @@ class WindowFit:
     def worthwhile(self) -> float:
         """Log posterior that a step to here must have gained for another one [1]."""
         return max(WORTHWHILE_GAIN, WORTHWHILE_SHARE * self.shot.above_noise)
+
+    @property
+    def explains(self) -> bool:
+        """Whether the windows are at noise, and no number of the file is out of its tolerance for it."""
+        return not unlike_noise(self.shot) and not self.made.hypothesis.displaced
 
     @classmethod
     def of(cls, start: Fit, windows: Windows, near: Array | None = None) -> WindowFit:
