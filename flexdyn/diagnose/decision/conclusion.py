@@ -3,41 +3,31 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flexdyn.diagnose.decision.calibrated import calibrated
-from flexdyn.diagnose.decision.corrected import Corrected, Judges, corrected
+from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.drawn import compared_motions, ordered_pictures
-from flexdyn.diagnose.decision.figures import OnFit, OnTest, on_fit, on_test
+from flexdyn.diagnose.decision.figures import OnTest, on_test
 from flexdyn.diagnose.decision.findings import calibration, findings, reported_names, with_experiments
 from flexdyn.diagnose.decision.forces import are_prescribed, loops
-from flexdyn.diagnose.decision.last_fit import leaves_noise
+from flexdyn.diagnose.decision.judged_by_windows import judged_by_windows
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.notes import notes, statistics, unsettled_numbers
-from flexdyn.diagnose.decision.one_law import with_best
 from flexdyn.diagnose.decision.split import DataPart, Parts
 from flexdyn.diagnose.decision.suspects import considered, structures
 from flexdyn.diagnose.decision.verdict import is_noise, verdict
 from flexdyn.diagnose.equations.covariance import SampleNoise
-from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.progress import tell
 from flexdyn.diagnose.report.result import Diagnosis
-from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.diagnose.simulated.reweighting import Reweighed, reweighed, share_in_windows
-from flexdyn.diagnose.simulated.rivals_in_windows import preferred_by_windows
-from flexdyn.diagnose.simulated.structures import Simulated
-from flexdyn.diagnose.simulated.window_fit import unlike_noise
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 
-SHORTER = 4
-"""Windows are shorter by this factor where links are not measured [1]: an impact in a gap hides where its link is."""
 WORSE = "on the data of the fit the corrected model is worse than the model as it was given"
 
 
@@ -53,26 +43,7 @@ def concluded(plain: Workspace, start: Hypothesis, compared: Posterior, found: C
     """
     tell("simulating windows", 0.65)
     made = calibrated(plain, start)
-    found, named, first = _on_fit(plain, made, found, parts[0])
-    windows = _contradicting(first)
-    if windows is not None and plain.equations.unmeasured.any():
-        windows = windows.divided(SHORTER)
-    if windows is not None and any(each.rivals for each in found.names):
-        rivals = {each.candidate: each.rivals for each in found.names}
-        other = with_best(compared, preferred_by_windows(compared, rivals, windows))
-        if other is not compared:
-            compared = other
-            found, named, first = _on_fit(plain, made, corrected(compared, plain), parts[0])
-            windows = _contradicting(first)
-    noise = leaves_noise(compared.fitted, plain)
-    if windows is not None and (noise or first.farther):
-        tell("comparing simulated windows", 0.75)
-        by_windows = _by_windows(plain, compared, found, windows) if noise else None
-        judges: Judges = "both" if by_windows is None else "either" if by_windows.explained else "windows"
-        compared = compared if by_windows is None else by_windows.found
-        share = functools.partial(share_in_windows, Simulated(compared, windows))
-        again = corrected(compared, plain, share, judges=judges)
-        found, named, first = _on_fit(plain, made, again, parts[0], rejected=judges == "both")
+    compared, found, named, first = judged_by_windows(plain, made, compared, found, parts[0])
     tell("opening the test data", 0.85)
     last = on_test(plain, first, found, named, parts[1]) if parts[1] else None
     converged = found.converged and first.stalled is None
@@ -106,38 +77,6 @@ def _tested(answer: Diagnosis, last: OnTest, joints: Sequence[str]) -> Diagnosis
     return dataclasses.replace(
         answer, gap_test=last.gap, errors=last.errors, left=last.left, data=spans, shares=last.shares
     )
-
-
-def _by_windows(plain: Workspace, compared: Posterior, found: Corrected, windows: Windows) -> Reweighed | None:
-    """The posterior that simulated windows give too; None if the equations reject what they find most probable.
-
-    Windows and equations are likelihoods of the same data. A structure that either of them rejects is wrong.
-    """
-    all_named = {c for c, _ in compared.best} <= found.named
-    other = reweighed(compared, windows, lambda made: leaves_noise(made, plain), all_named=all_named)
-    return other if other is not None and leaves_noise(other.found.fitted, plain) else None
-
-
-def _on_fit(
-    plain: Workspace, made: Fit, found: Corrected, fitted: Sequence[DataPart], *, rejected: bool = False
-) -> tuple[Corrected, list[Name], OnFit]:
-    """The corrected model, its names and its figures; without names the numbers of the file alone are corrected."""
-    named, first = reported_names(found), on_fit(plain, made, found, fitted)
-    if not found.converged and (first.worse or first.farther):
-        named, first = [], dataclasses.replace(first, stalled=found.fitted)
-    if rejected and first.farther:
-        named = []
-    # A gap without an established effect displaces numbers for no good reason.
-    if not named and not (found.explained and found.hypothesis.tolerated().factors == found.hypothesis.factors):
-        found, first = first.calibration_alone(found)
-    return found, named, first
-
-
-def _contradicting(first: OnFit) -> Windows | None:
-    """Windows of the fit for comparisons, if they leave more than noise; None: they do not, or there are none."""
-    if first.shots is None or not unlike_noise(first.shots.after, first.shots.gap.floor):
-        return None
-    return first.shots.after.windows.preceded()
 
 
 def known(
