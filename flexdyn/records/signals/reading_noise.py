@@ -14,6 +14,8 @@ _RMS = 0.06
 GAUSS = 1.4826
 """Standard deviation over median absolute deviation of a Gaussian."""
 _SIXTH_DIFFERENCE = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
+_FAR_OFF = 3.0
+"""Standard deviations from which a difference is no noise [1]."""
 _ON_A_GRID, _OFF_THE_GRID = 0.99, 0.01
 """Share of all changes that are whole steps of a quantised channel, and how far from whole they may be [steps]."""
 
@@ -78,15 +80,23 @@ def high_frequency_std(x: Array) -> float:
     Returns:
         The standard deviation; 0 if nothing changes.
     """
+    high = _sixth_differences(x)
+    return robust_std(high) if len(high) else 0.0
+
+
+def _sixth_differences(x: Array) -> Array:
+    """Sixth differences where a sample changes, as large as the noise of one sample (differences,)."""
     high = np.convolve(x, _SIXTH_DIFFERENCE, "valid") / np.linalg.norm(_SIXTH_DIFFERENCE)
     changes = np.convolve(np.abs(np.diff(x)), np.ones(len(_SIXTH_DIFFERENCE) - 1), "valid") > 0.0
-    return robust_std(high[changes]) if changes.any() else 0.0
+    return np.asarray(high[changes])
 
 
 def reading_noise(x: Array) -> float:
     """Standard deviation of one reading of an encoder, by which the diagnosis weighs it [unit of x].
 
-    It is the larger one of `high_frequency_std` and, if the readings are whole steps, step/sqrt(12).
+    If the readings are whole steps, it is the root mean square of their sixth differences without what is far off, or
+    step/sqrt(12) if that is larger: sixth differences of steps are whole numbers, and the median of a few of them is up
+    to 1.7 times too large. Else it is `high_frequency_std`.
 
     Args:
         x: uniform samples (samples,).
@@ -100,5 +110,8 @@ def reading_noise(x: Array) -> float:
         return 0.0
     step = float(moved.min())
     ratio = moved / step
-    counted = np.mean(np.abs(ratio - np.round(ratio)) < _OFF_THE_GRID) > _ON_A_GRID
-    return max(float(step / np.sqrt(12.0)) if counted else 0.0, high_frequency_std(x))
+    if not np.mean(np.abs(ratio - np.round(ratio)) < _OFF_THE_GRID) > _ON_A_GRID:
+        return high_frequency_std(x)
+    high, rounding = _sixth_differences(x), float(step / np.sqrt(12.0))
+    bulk = np.abs(high) <= _FAR_OFF * max(robust_std(high), rounding)
+    return max(rounding, float(np.sqrt(np.mean(high[bulk] ** 2)))) if bulk.any() else rounding
