@@ -51,22 +51,20 @@ class Rests:
 def uncertain_sign(u: Array, sigma: float, kernel: GaussianSmoother) -> Flags:
     """Samples (samples,) at which a filtered velocity may have either sign, or may have been zero for a moment.
 
-    A velocity that touches zero keeps its sign in the mean over the filter. It is small there against its change over
-    the filter's width w: a corner at zero with the acceleration a becomes ``sqrt(2/pi) a w`` at most, or ``sqrt(4/pi) a
-    w`` where the filter is applied twice.
+    A velocity that touches zero keeps its sign in the mean over the filter. There it bends: where it touches zero with
+    the acceleration a, a filter of the width w makes ``u = sqrt(2/pi) a w`` and ``u'' = u/w^2`` of it. So its sign is
+    uncertain where ``u`` and ``u - 2 w^2 u''`` have different signs; a filter that is applied twice has the variance
+    ``2 w^2``.
 
     Args:
         u: the velocity (samples,) [rad/s or m/s].
         sigma: standard deviation of the encoder [rad or m].
         kernel: filter that made the velocity from the position.
     """
-    from scipy.ndimage import maximum_filter1d
-
     spread = float(np.linalg.norm(kernel.taps[1]))
     uncertain = np.abs(u) <= CERTAIN_SIGMAS * spread * sigma  # the sign of 0 is always uncertain
     uncertain[1:] |= u[1:] * u[:-1] < 0.0
-    width, change = np.sqrt(2.0 * kernel.variance), np.abs(np.gradient(u))
-    uncertain |= np.abs(u) <= width * maximum_filter1d(change, 2 * kernel.half + 1)
+    uncertain[1:-1] |= u[1:-1] * (u[1:-1] - 2.0 * kernel.variance * np.diff(u, 2)) <= 0.0
     return np.asarray(uncertain)
 
 
