@@ -10,7 +10,7 @@ from flexdyn.diagnose.equations.covariance import SampleNoise
 from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, SENSOR, TOTAL
 from flexdyn.diagnose.equations.motion import SmoothedMotion
-from flexdyn.diagnose.equations.rest import borders, near, uncertain_sign
+from flexdyn.diagnose.equations.rest import borders, near, touches_zero, uncertain_sign
 from flexdyn.effects import CouplingEffect
 
 LOAD_ERROR = 0.05
@@ -95,6 +95,8 @@ def _uncertain(equations: Equations, along: SmoothedMotion, noise: SampleNoise, 
             continue
         sigma = level if there else max(noise.q[j], noise.theta[j]) * 3.0
         uncertain |= uncertain_sign(u, sigma, equations.filters.first)
+        if equations.unmeasured[j]:  # of measured links the error of the filter is known, see `filter_error`
+            uncertain |= touches_zero(u, equations.filters.first)
     return uncertain | _rubbing(equations, along, noise, j) if kind in (MOTOR, TOTAL) else uncertain
 
 

@@ -49,12 +49,7 @@ class Rests:
 
 
 def uncertain_sign(u: Array, sigma: float, kernel: GaussianSmoother) -> Flags:
-    """Samples (samples,) at which a filtered velocity may have either sign, or may have been zero for a moment.
-
-    A velocity that touches zero keeps its sign in the mean over the filter. There it bends: where it touches zero with
-    the acceleration a, a filter of the width w makes ``u = sqrt(2/pi) a w`` and ``u'' = u/w^2`` of it. So its sign is
-    uncertain where ``u`` and ``u - 2 w^2 u''`` have different signs; a filter that is applied twice has the variance
-    ``2 w^2``.
+    """Samples (samples,) at which a filtered velocity may have either sign.
 
     Args:
         u: the velocity (samples,) [rad/s or m/s].
@@ -64,8 +59,23 @@ def uncertain_sign(u: Array, sigma: float, kernel: GaussianSmoother) -> Flags:
     spread = float(np.linalg.norm(kernel.taps[1]))
     uncertain = np.abs(u) <= CERTAIN_SIGMAS * spread * sigma  # the sign of 0 is always uncertain
     uncertain[1:] |= u[1:] * u[:-1] < 0.0
-    uncertain[1:-1] |= u[1:-1] * (u[1:-1] - 2.0 * kernel.variance * np.diff(u, 2)) <= 0.0
     return np.asarray(uncertain)
+
+
+def touches_zero(u: Array, kernel: GaussianSmoother) -> Flags:
+    """Samples (samples,) at which a filtered velocity may have been zero for a moment.
+
+    It keeps its sign in the mean over the filter, but it bends: where it touches zero with the acceleration a, a filter
+    of the width w makes ``u = sqrt(2/pi) a w`` and ``u'' = u/w^2`` of it. So ``u`` and ``u - 2 w^2 u''`` have different
+    signs there; a filter that is applied twice has the variance ``2 w^2``.
+
+    Args:
+        u: the velocity (samples,) [rad/s or m/s].
+        kernel: filter that made the velocity from the position.
+    """
+    bent = np.zeros(len(u), dtype=bool)
+    bent[1:-1] = u[1:-1] * (u[1:-1] - 2.0 * kernel.variance * np.diff(u, 2)) <= 0.0
+    return bent
 
 
 def near(samples: Flags, reach: int) -> Flags:
