@@ -50,6 +50,14 @@ def test_an_offset_may_be_a_step() -> None:
     assert _sizes(1.0).resolution({"effect": "torque_ripple", "joint": "elbow"}) == 0.0
 
 
+def test_an_offset_of_more_than_a_step_is_an_effect_however_little_torque_it_makes() -> None:
+    """Ten steps count from a tenth of their torque on; without steps the torque decides."""
+    offset = fd.effects.SensorOffset("theta.elbow", offset=-1e-2)
+    assert _sizes(1e-3).smallest(offset, 1e-4) == pytest.approx(1e-5)
+    assert _sizes(1e-3).smallest(offset, 1.0) == SMALLEST_TORQUE_SHARE
+    assert _sizes(0.0).smallest(offset, 1e-4) == SMALLEST_TORQUE_SHARE
+
+
 def test_a_damping_counts_by_how_fast_a_vibration_decays() -> None:
     """Elbow and rotor against each other, the shoulder held: from the ratio 0.01 of the eigenvalues on."""
     sizes, j = _sizes(1e-3), 1

@@ -17,7 +17,7 @@ from flexdyn.diagnose.equations.layout import MOTOR, TOTAL, TRANSMISSION
 from flexdyn.diagnose.equations.springs import spring_torque
 from flexdyn.diagnose.equations.users_laws import torque_of
 from flexdyn.diagnose.lazy import lazy
-from flexdyn.effects import Effect, JointEffect, registered
+from flexdyn.effects import Effect, JointEffect, SensorEffect, registered
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,13 +75,18 @@ class Sizes:
     def smallest(self, effect: Effect, share: float) -> float:
         """Share of torque from which an effect is one [1].
 
-        The damping of a transmission makes little torque, and yet decides how long a joint vibrates. It is one also
+        An encoder's offset makes little torque on an arm without gravity, and is one where it is more than a step. The
+        damping of a transmission makes little torque, and yet decides how long a joint vibrates. It is one also
         where its ratio ``zeta = D/(2 sqrt(K m))`` is large enough; m is the mass of rotor and link against each other.
 
         Args:
             effect: of which.
             share: of its joint's torque that it makes.
         """
+        if isinstance(effect, SensorEffect) and effect.position_error and effect.is_constant:
+            step = self.resolution({"effect": effect.name, "channel": effect.channel})
+            offset = abs(float(getattr(effect, effect.position_error)))
+            return min(SMALLEST_TORQUE_SHARE, share * step / max(offset, 1e-300)) if step else SMALLEST_TORQUE_SHARE
         if not isinstance(effect, JointEffect) or not effect.damps_spring:
             return SMALLEST_TORQUE_SHARE
         damping = abs(float(getattr(effect, effect.damps_spring)))
