@@ -10,6 +10,7 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.decision.one_law import with_best
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
@@ -19,9 +20,11 @@ from flexdyn.diagnose.inference.posterior import posterior
 from flexdyn.diagnose.shooting.gap import shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
+from flexdyn.diagnose.simulated.rivals_in_windows import preferred_by_windows
 from flexdyn.diagnose.simulated.structures import Simulated
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows, unlike_noise
 from flexdyn.diagnose.simulated.window_scan import promising
+from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
 from tests.diagnose.workspaces import workspace
 
@@ -194,3 +197,32 @@ def test_what_windows_do_not_need_has_no_share_in_them(tmp_path: Path) -> None:
     windows = Windows.of(model, [recording], LEVELS.noise(1))
     assert not unlike_noise(shoot(found.fitted.hypothesis.seen(), windows))
     assert share_in_windows(Simulated(held, windows), drag) == 0.0
+
+
+def test_of_two_laws_that_share_a_name_the_model_gets_the_one_that_windows_prefer(tmp_path: Path) -> None:
+    """Coulomb friction in the place of a viscous one that the posterior began with, and not the other way round."""
+    found, _, windows = _compared(tmp_path, 0.0, LEVEL)
+    (right,) = found.best
+    candidates = found.space.candidates
+    viscous = next(c for c, each in enumerate(candidates) if each.kind == "viscous_friction")
+    assert preferred_by_windows(found, {right[0]: (viscous,)}, windows) == found.best
+    wrong = frozenset([(viscous, 0)])
+    other = with_best(found, wrong)
+    assert preferred_by_windows(other, {viscous: (right[0],)}, windows) == found.best
+    assert preferred_by_windows(other, {viscous: ()}, windows) == wrong
+
+
+def test_a_number_far_out_of_its_tolerance_explains_no_windows(tmp_path: Path) -> None:
+    """A mass of the file is 5 % off, its tolerance a thousandth: the windows are at noise, and that is a finding."""
+    x, _ = sliding(FORCE, 1.0 / RATE, MASS, 0.0)
+    model = slider_model(tmp_path).replace(effects=[_lighter(0.05)]).replace(tolerance=1e-3)
+    recording = slider_recording(x, FORCE, RATE, LEVELS, 0)
+    space, start, _ = workspace(model, (measured(model, recording),))
+    windows = Windows.of(model, [recording], LEVELS.noise(1))
+    (mass,) = (number for number in start.factors if number.parameter == "link_mass")
+    moved = dataclasses.replace(start, factors={**start.factors, mass: 1.0 / 0.95})
+    for freed, explains in ((frozenset[FileNumber](), False), (frozenset({mass}), True)):
+        here = dataclasses.replace(moved, freed=freed)
+        made = WindowFit.of(fit(here, space, steps=0), windows)
+        assert not unlike_noise(made.shot)
+        assert made.explains == explains
