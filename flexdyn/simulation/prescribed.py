@@ -22,7 +22,8 @@ HEAVY = 1e16
 """Inertia of what is moved as recorded [kg m^2 or kg], times that of a metre or a radian at 1 N m: a force of 1e5 N
 moves it by less than 1e-9 m in ten seconds, and 16 digits still tell its motion."""
 RTOL, ATOL = 1e-6, 1e-9
-"""Of the simulation; differences over a thousandth of a number are then right to 1e-5."""
+"""Of the simulation. Two that differ little take the same steps: differences over 1e-5 of a number are right to some
+1e-3."""
 EVALUATIONS_PER_SECOND = 2_000_000
 """Evaluations of the equations for each second, after which a simulation has failed [1/s]."""
 

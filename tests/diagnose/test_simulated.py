@@ -22,7 +22,7 @@ from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
 from flexdyn.diagnose.simulated.rivals_in_windows import preferred_by_windows
 from flexdyn.diagnose.simulated.structures import Simulated
-from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows, unlike_noise
+from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows, searched, unlike_noise
 from flexdyn.diagnose.simulated.window_scan import promising
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
@@ -226,3 +226,27 @@ def test_a_number_far_out_of_its_tolerance_explains_no_windows(tmp_path: Path) -
         made = WindowFit.of(fit(here, space, steps=0), windows)
         assert not unlike_noise(made.shot)
         assert made.explains == explains
+
+
+def test_a_search_shortens_a_delay_that_is_not_there(tmp_path: Path) -> None:
+    """Factor by factor, as long as the windows gain by it; it ends, and never below nothing."""
+    made, windows = _begun(tmp_path, LEVEL)
+    late = fd.effects.CommandDelay("lift", delay=1e-3)
+    here = fit(dataclasses.replace(made.hypothesis, effects=(*made.hypothesis.effects, late)), made.space, steps=0)
+    start = WindowFit.of(here, windows.divided(4))
+    found = searched(start)
+    assert found.log_posterior >= start.log_posterior
+    (delay,) = (each.delay for each in found.made.hypothesis.effects if isinstance(each, fd.effects.CommandDelay))
+    assert 0.0 <= delay < 1e-3
+
+
+def test_divided_windows_hold_the_same_samples_and_at_least_a_block(tmp_path: Path) -> None:
+    """Quarters of windows; of windows of few blocks as many parts as there are."""
+    _, windows = _begun(tmp_path, LEVEL)
+    quarters = windows.divided(4)
+    assert len(quarters) == 4 * len(windows)
+    assert quarters.rows == windows.rows // windows.block // 4 * windows.block
+    np.testing.assert_array_equal(quarters.t[1], windows.t[0, quarters.rows : 2 * quarters.rows])
+    short = windows.divided(10**6)
+    assert short.rows == windows.block
+    assert len(short) == windows.blocks * len(windows)

@@ -15,7 +15,7 @@ from scipy.signal import lfilter
 from flexdyn.errors import InputError
 from flexdyn.records import Recording
 from flexdyn.records.signals.noise import Noise, estimate_noise
-from flexdyn.records.signals.reading_noise import held_for, quantisation_step, reading_noise
+from flexdyn.records.signals.reading_noise import held_for, high_frequency_std, quantisation_step, reading_noise
 from tests.records.motions import MOTIONS, Array
 
 LEVELS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
@@ -130,6 +130,17 @@ def test_the_noise_of_readings_is_what_the_diagnosis_uses(std: float) -> None:
     assert slow.reading_std is not None
     assert slow.reading_std == pytest.approx(share * std, rel=0.1)
     assert abs(slow.std - std) < abs(slow.reading_std - std)
+
+
+@pytest.mark.parametrize("speed", [0.05, 0.2, 0.4, 0.8])
+def test_the_noise_of_whole_counts_is_that_of_rounding(speed: float) -> None:
+    """At any speed in counts a sample; the median of the sixth differences, which are whole numbers, is far off."""
+    t = np.arange(20000) / 1000.0
+    x = speed * (1000.0 / 1.7 * np.sin(1.7 * t) + 300.0 * np.sin(0.9 * t))
+    counts = np.round(x)
+    assert reading_noise(counts) == pytest.approx(float(np.std(counts - x)), rel=0.1)
+    if speed >= 0.4:
+        assert high_frequency_std(counts) > 1.5 * float(np.std(counts - x))
 
 
 @pytest.mark.parametrize(("pole", "tolerance"), [(-0.5, 0.05), (0.5, 0.05), (0.8, 0.1)])

@@ -58,19 +58,21 @@ def posterior(bare: Unweighted, start: Hypothesis) -> Posterior:
 def _on_computed_positions(bare: Unweighted, start: Hypothesis) -> tuple[Posterior, bool]:
     """Structures compared on the first equations, and whether with the rows in which loads change their signs."""
     between = without_reversals(bare)
+    begun, lacking = _from_numbers(bare, start)
     if between is None:
-        return _from_numbers(bare, start), True
-    whole, part = (leaves_more_than_noise(_numbers_alone(each, start)) for each in (bare, between))
-    if whole and not part:  # whatever is missing acts in those rows alone
-        return _from_numbers(between, start), False
-    found = _from_numbers(bare, start)
-    other = _from_numbers(between, start) if leaves_more_than_noise(found.fitted) else None
+        return passes(bare, begun), True
+    begun_between, lacking_between = _from_numbers(between, start)
+    if lacking and not lacking_between:  # whatever is missing acts in those rows alone
+        return passes(between, begun_between), False
+    found = passes(bare, begun)
+    other = passes(between, begun_between) if leaves_more_than_noise(found.fitted) else None
     return (found, True) if other is None or leaves_more_than_noise(other.fitted) else (other, False)
 
 
-def _from_numbers(bare: Unweighted, start: Hypothesis) -> Posterior:
-    """Compare structures on equations, from where the file's numbers alone fit them best."""
-    return passes(bare, _in_tolerance(_numbers_alone(bare, start).hypothesis, start))
+def _from_numbers(bare: Unweighted, start: Hypothesis) -> tuple[Hypothesis, bool]:
+    """Where the file's numbers alone fit equations best, and whether they leave more than noise there."""
+    alone = _numbers_alone(bare, start)
+    return _in_tolerance(alone.hypothesis, start), leaves_more_than_noise(alone)
 
 
 def _leaves_something(bare: Unweighted, there: Hypothesis) -> bool:

@@ -72,10 +72,15 @@ class Scan:
         best = order[firsts]
         return [(float(gain[k]), self.owner[k]) for k in best[np.isfinite(gain[best])].tolist()]
 
-    def as_good(self, structure: Structure, c: int) -> list[tuple[int, int]]:
-        """Grid points of a candidate that would gain nearly as much as its best one."""
-        gain, own = self._gains(structure), np.flatnonzero(self.of == c)
-        return [self.owner[k] for k in own[gain[own] > gain[own].max() - OCCAM_WINDOW].tolist()]
+    def undecided(self, structure: Structure) -> list[tuple[int, int]]:
+        """Grid points of laws without a linear number that would gain nearly as much as another one of their law."""
+        gain, candidates, found = self._gains(structure), self.space.candidates, []
+        for c in np.unique(self.of[np.isfinite(gain)]).tolist():
+            proposal, own = candidates[c].proposal, np.flatnonzero(self.of == c)
+            near = own[gain[own] > gain[own].max() - OCCAM_WINDOW].tolist()
+            if proposal is not None and proposal.fixed and len(near) > 1:
+                found += [self.owner[k] for k in near]
+        return found
 
     def _gains(self, structure: Structure) -> Array:
         """Log posterior that each grid point would gain (points,)."""

@@ -127,7 +127,8 @@ class Windows:
         return self.thinned(max(1, round(seconds / (self.rows * self.period))))
 
     def divided(self, parts: int) -> Windows:
-        """The same samples in windows that are shorter by a whole factor, but for a rest of each."""
+        """The same samples but for a rest, in windows shorter by a whole factor, each of at least one block."""
+        parts = min(parts, self.blocks)
         rows = self.rows // self.block // parts * self.block
         places = [(k, row + part * rows) for k, row in self.places.tolist() for part in range(parts)]
         return dataclasses.replace(self, places=np.array(places, np.int64), rows=rows)

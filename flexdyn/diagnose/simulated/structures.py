@@ -138,7 +138,7 @@ class Simulated:
             liked = [point for point in liked if point in promised]
         points = dict.fromkeys([*liked[:most], *list(promised)[:most], *unasked[:most]])
         if base in self.fitted:
-            points |= dict.fromkeys(self._beside(base, but))
+            points |= dict.fromkeys(self._beside(base, [each for each in scan.undecided(base) if each[0] != but]))
         for point in points:
             if point in promised:
                 self.start_with(base, promised[point])
@@ -146,24 +146,18 @@ class Simulated:
                 self.start(base | {point})
         return [base | {point} for point in points]
 
-    def _beside(self, base: Structure, but: int | None) -> list[tuple[int, int]]:
-        """Grid points of laws without a linear number between which the equations do not choose; simulated.
-
-        The other numbers are those of the structure.
-        """
-        scan, candidates = Scan(self.found.space), self.found.space.candidates
-        fixed = [c for _, (c, _) in scan.additions(base) if (of := candidates[c].proposal) is not None and of.fixed]
-        found = []
-        for c in fixed:
-            points = scan.as_good(base, c)
-            for point in points if len(points) > 1 and c != but else ():
-                effect = candidates[c].effect(point[1], np.zeros(0))
-                if effect is not None and base | {point} not in self.fits:
-                    with contextlib.suppress(FlexdynError):
-                        here = self.fits[base]
-                        made = here.with_one_more(effect, None, np.zeros(len(here.made.regression.sigma)))
-                        self._take(base | {point}, made)
-                    found.append(point)
+    def _beside(self, base: Structure, points: list[tuple[int, int]]) -> list[tuple[int, int]]:
+        """Those of some points that make an effect; simulated with the numbers of a fitted structure."""
+        here, found = self.fits[base], []
+        still = np.zeros(len(here.made.regression.sigma))
+        for point in points:
+            effect, structure = self.found.space.candidates[point[0]].effect(point[1], np.zeros(0)), base | {point}
+            if effect is None:
+                continue
+            found.append(point)
+            if structure not in self.fits:
+                with contextlib.suppress(FlexdynError):
+                    self._take(structure, here.with_one_more(effect, None, still))
         return found
 
     def _promising(self, base: Structure) -> list[Addition]:

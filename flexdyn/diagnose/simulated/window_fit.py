@@ -17,6 +17,7 @@ from flexdyn.diagnose.hypothesis.regression import Regression
 from flexdyn.diagnose.shooting.gap import Shot, shoot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.effects import Effect
+from flexdyn.errors import FlexdynError
 from flexdyn.model.uncertain_parameters import FileNumber
 
 SCALED_STEP = 0.1
@@ -161,10 +162,10 @@ def searched(start: WindowFit) -> WindowFit:
 
 
 def _scaled_while_better(best: WindowFit, place: int, name: str, factor: float) -> WindowFit:
-    """The windows with a number of an effect larger or smaller by a factor, as often as that is better."""
+    """The windows with a number of an effect larger or smaller by a factor, as often as that is worth a step."""
     for step in (factor, 1.0 / factor):
         first = best
-        while (other := _with_scaled(best, place, name, step)).log_posterior > best.log_posterior:
+        while (other := _with_scaled(best, place, name, step)).log_posterior > best.log_posterior + WORTHWHILE_GAIN:
             best = other
         if best is not first:
             break
@@ -172,12 +173,16 @@ def _scaled_while_better(best: WindowFit, place: int, name: str, factor: float) 
 
 
 def _with_scaled(here: WindowFit, place: int, name: str, factor: float) -> WindowFit:
-    """The windows with another number of an effect."""
+    """The windows with another number of an effect; as they are where the law does not allow it."""
     hypothesis = here.made.hypothesis
     effect = hypothesis.effects[place]
-    changed = hypothesis.with_instead(effect, effect.replace(**{name: factor * getattr(effect, name)}))
-    made = dataclasses.replace(here.made, hypothesis=changed, equations=here.made.space.equations.of(changed.model()))
-    return WindowFit.of(made, here.shot.windows, here.shot.x0)
+    try:
+        changed = hypothesis.with_instead(effect, effect.replace(**{name: factor * getattr(effect, name)}))
+        at = here.made.space.equations.of(changed.model())
+        made = dataclasses.replace(here.made, hypothesis=changed, equations=at)
+        return WindowFit.of(made, here.shot.windows, here.shot.x0)
+    except FlexdynError:
+        return here
 
 
 def _problem(here: WindowFit, J: Array) -> Fit:
