@@ -153,7 +153,9 @@ def corrected(
     # The linear equations may have promised too much; what is left out displaces the others.
     while kept != (kept := tuple(each for each in kept if stays(space, each.candidate, made, least[each.candidate]))):
         made = fit_of_kept(space, made, {each.candidate for each in kept} | completed(kept))
-    made = no_stiffer_than_seen(less_rounded(continued(made)))
+    if not made.block:  # what was fitted to windows stays: the equations may not see it
+        made = less_rounded(continued(made))
+    made = no_stiffer_than_seen(made)
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = leaves_noise(made, plain)
     made = made if explained else within(made)
