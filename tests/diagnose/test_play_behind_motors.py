@@ -96,5 +96,3 @@ def test_play_behind_motors_is_named() -> None:
     assert [(each.suspect.effect, each.suspect.joint) for each in answer.findings] == [("backlash", "elbow")]
     (gap,) = (each for each in answer.model.effects if isinstance(each, fd.effects.Backlash))
     assert gap.half_gap == pytest.approx(HALF_GAP, rel=0.03)
-    assert answer.gap_test is not None
-    assert answer.gap_test.after < 0.1 * answer.gap_test.before
