@@ -17,10 +17,9 @@ TENSIONS = (20, 35, 80)
 """Of the band [lb]."""
 SLOW = "0.5Hz_20lb"
 """The file at half the frequency; it takes no part in any fit."""
-READ, FIT, LATER, SLOW_SPAN = (0.75, 5.0), (2.0, 5.0), (5.0, 8.0), (3.0, 13.0)
-"""Times that a diagnosis reads, of the full cycles among them, of the later ones, of those of the slow file [s].
-
-Before 0.75 s the brake has not slipped in either direction, and nobody knows where in its gap the drum stands."""
+FIT, LATER, SLOW_SPAN = (2.0, 5.0), (5.0, 8.0), (3.0, 13.0)
+"""Times of the full cycles, which are fitted, of the later ones, and of those of the slow file [s]; the errors of LuGre
+are for the same spans."""
 CUTOFF = 80.0
 """Of the filter of the position, fourth order, forwards and backwards [Hz]: 1.5 um are 1.5 m/s^2 at 1 kHz."""
 RING = 15.0

@@ -2,8 +2,8 @@
 
     python benchmarks/measured/friction_damper/damper_study.py -o benchmarks/results/friction_damper.json
 
-Each 1 Hz file is diagnosed by itself, its first 5 s with the full cycles from 2 to 5 s; the tool then compares the
-three corrected models. Later cycles and the 0.5 Hz file are read for errors and verdicts alone. Without the data
+Each 1 Hz file is diagnosed by itself, over its full cycles from 2 to 5 s; the tool then compares the three corrected
+models. Later cycles and the 0.5 Hz file are read for errors and verdicts alone. Without the data
 folder it says so and does nothing.
 """
 
@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from damper_data import (
+    FIT,
     LATER,
-    READ,
     SLOW,
     TENSIONS,
     bench_mass,
@@ -43,7 +43,7 @@ MOST = {"1Hz_20lb": 0.17, "1Hz_35lb": 0.12, "1Hz_80lb": 0.11}
 def task(record: fd.Recording, mass: float) -> Task:
     """Some cycles of a 1 Hz file are diagnosed, later ones take no part; its published name says backlash."""
     clean = without_bench(record, mass)
-    seen, later = (clean.trim(*span) for span in (READ, LATER))
+    seen, later = (clean.trim(*span) for span in (FIT, LATER))
     return Task(f"damper, {record.name}", plain_model(clean), (seen,), (later,), ("backlash",))
 
 
