@@ -31,9 +31,9 @@ SMALLEST_TORQUE_SHARE = 4e-3
 NEGLIGIBLE_SHARE = 3e-3
 """Standard deviation of a negligible effect over that of a real one [1]: 0.1 % of the joint's torque, with
 `EFFECT_TORQUE_SHARE`."""
-LEAST_DAMPING_RATIO = 0.01
-"""Damping ratio of a joint's vibration from which a damping of its transmission is an effect [1]. Choice: the
-vibration loses 6 % with every cycle."""
+LEAST_DAMPING_RATIO = 0.002
+"""Damping ratio of a joint's vibration from which a damping of its transmission is an effect [1]. Choice: steel alone
+has that much."""
 FREED_WIDTH = 1.0
 """Prior standard deviation of the factor of a number whose tolerance is wrong [1]. Choice: a factor of two is nothing
 special."""

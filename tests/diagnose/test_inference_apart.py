@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import flexdyn as fd
 from flexdyn.diagnose.constants import CERTAIN_SIGMAS, NOISE_LEVEL_ERROR, OFTEN, PREVALENCE_ODDS, SELDOM
 from flexdyn.diagnose.hypothesis.proposal import Proposal
-from flexdyn.diagnose.inference.apart import GUESSED, genuine, power_ratios
+from flexdyn.diagnose.inference.apart import genuine, power_ratios
 from flexdyn.diagnose.inference.candidate import Candidate
 from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.scan import nested
@@ -289,8 +289,26 @@ def test_a_genuine_effect_is_more_likely_than_an_imitation(kind: str, ratio: flo
     stands_out = drawn / (1.0 - drawn)  # a share s is R = s/(1 - s) over the rest
     imitation = float((stands_out >= ratio).mean())
     known = fd.effects.registered().get(kind)
-    odds = OFTEN if kind in GUESSED else SELDOM if known is None else PREVALENCE_ODDS[known.prevalence]
+    odds = SELDOM if known is None else PREVALENCE_ODDS[known.prevalence]
     assert genuine(_candidate(kind), ratio) == pytest.approx(odds / (odds + imitation), rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("parameter", "tolerance", "prior"),
+    [
+        ("rotor_inertia", 0.05, OFTEN),
+        ("rotor_inertia", 0.5, OFTEN),
+        ("rotor_inertia", 0.03, SELDOM),
+        ("stiffness", 0.05, SELDOM),
+    ],
+)
+def test_rotors_are_often_guessed_unless_the_file_says_that_they_are_known(
+    parameter: str, tolerance: float, prior: float
+) -> None:
+    """The prior odds are those of `genuine` where nothing stands out."""
+    number = FileNumber("elbow", parameter, 1e-4, tolerance, "elbow")
+    candidate = Candidate(parameter, None, number, [()], [np.array([0])], 1)
+    assert genuine(candidate, 0.0) == pytest.approx(prior / (1.0 + prior))
 
 
 def test_genuine_is_a_probability_that_grows_with_what_stands_out() -> None:

@@ -24,9 +24,10 @@ from flexdyn.diagnose.inference.model_error import ModelError
 from flexdyn.diagnose.inference.space import Space, Structure
 from flexdyn.diagnose.inference.torque_shares import torque_share
 from flexdyn.effects import Effect
+from flexdyn.model.uncertain_parameters import DEFAULT_TOLERANCE
 
 GUESSED = ("rotor_inertia",)
-"""Numbers of the file that are often wrong."""
+"""Numbers that are often wrong, where the file does not say that they are known better than others usually are."""
 
 
 def genuine(
@@ -41,7 +42,7 @@ def genuine(
         effects: of the model as given.
     """
     own = not candidate.law.__module__.startswith("flexdyn.")  # a user who writes a law expects it
-    if own or candidate.kind in GUESSED or candidate.kind in expected:
+    if own or _guessed(candidate) or candidate.kind in expected:
         prior = OFTEN
     elif _unusual(candidate, effects):
         prior = SELDOM
@@ -49,6 +50,11 @@ def genuine(
         prior = (ON_LINKS if candidate.place.get("side") == "link" else PREVALENCE_ODDS)[candidate.law.prevalence]
     odds = prior * (1.0 + min(share, 1e12))
     return odds / (1.0 + odds)
+
+
+def _guessed(candidate: Candidate) -> bool:
+    number = candidate.number
+    return number is not None and number.parameter in GUESSED and number.tolerance >= DEFAULT_TOLERANCE
 
 
 def _unusual(candidate: Candidate, effects: Collection[Effect]) -> bool:
