@@ -205,11 +205,28 @@ def test_of_two_laws_that_share_a_name_the_model_gets_the_one_that_windows_prefe
     (right,) = found.best
     candidates = found.space.candidates
     viscous = next(c for c, each in enumerate(candidates) if each.kind == "viscous_friction")
-    assert preferred_by_windows(found, {right[0]: (viscous,)}, windows) == found.best
     wrong = frozenset([(viscous, 0)])
     other = with_best(found, wrong)
-    assert preferred_by_windows(other, {viscous: (right[0],)}, windows) == found.best
-    assert preferred_by_windows(other, {viscous: ()}, windows) == wrong
+    for begun, rivals in ((found, {right[0]: (viscous,)}), (other, {viscous: (right[0],)})):
+        preferred = preferred_by_windows(begun, rivals, windows)
+        assert preferred.best == found.best
+        assert preferred.rejected.keys() == {viscous}
+        assert preferred.rejected[viscous] > 1000.0
+    alone = preferred_by_windows(other, {viscous: ()}, windows)
+    assert (alone.best, alone.rejected) == (wrong, {})
+
+
+def test_windows_reject_neither_of_two_laws_that_are_the_same_motion(tmp_path: Path) -> None:
+    """A mass that is 30 % too small in the file, or a payload of that mass."""
+    model = slider_model(tmp_path)
+    x, _ = sliding(FORCE, 1.0 / RATE, 1.3 * MASS, 0.0)
+    recording = slider_recording(x, FORCE, RATE, LEVELS, 0)
+    found = posterior(*prepared(model, (measured(model, recording),)))
+    ((mine, _),) = found.best
+    kinds = {each.kind: c for c, each in enumerate(found.space.candidates) if each.kind in ("link_mass", "payload")}
+    (other,) = set(kinds.values()) - {mine}
+    preferred = preferred_by_windows(found, {mine: (other,)}, Windows.of(model, [recording], LEVELS.noise(1)))
+    assert (preferred.best, preferred.rejected) == (found.best, {})
 
 
 def test_a_number_far_out_of_its_tolerance_explains_no_windows(tmp_path: Path) -> None:

@@ -189,11 +189,10 @@ def _masses(found: Posterior) -> Masses:
     for other in frozenset().union(*(each for each, _ in found.other_linearisations)) - alike:
         if any(own_share(space, found.best, c, other) <= SMALLEST_TORQUE_SHARE for c in best):
             alike |= {other}
-    if not found.other_linearisations:
-        return masses
-    return masses.mixed(
-        [each & alike for each, _ in found.other_linearisations], [odds for _, odds in found.other_linearisations]
-    )
+    if found.other_linearisations:
+        others, odds = zip(*found.other_linearisations, strict=True)
+        masses = masses.mixed([each & alike for each in others], odds)
+    return masses.without(found.rejected)
 
 
 def _is_there(candidate: Candidate, here: Hypothesis) -> bool:

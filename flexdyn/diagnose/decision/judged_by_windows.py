@@ -27,6 +27,8 @@ from flexdyn.effects import DeflectionEffect
 
 Said = tuple[Posterior, Corrected, list[Name], OnFit]
 """The posterior, the corrected model, its names and its figures."""
+RIVAL_ROUNDS = 3
+"""Times at most that the laws that share a name are compared: others may share it when windows reject some."""
 SHORTER = 4
 """Windows are shorter by this factor where links are not measured [1]: an impact in a gap hides where its link is."""
 
@@ -44,11 +46,13 @@ def judged_by_windows(
         fitted: the data of the fit.
     """
     found, named, first = _on_fit(plain, made, found, fitted)
-    windows = _contradicting(first, plain)
-    if windows is not None and (other := _with_preferred_rivals(plain, compared, found, windows)):
+    for _ in range(RIVAL_ROUNDS):
+        other = _with_preferred_rivals(plain, compared, found, _compared_windows(first, plain))
+        if other is None:
+            break
         compared, found = other
         found, named, first = _on_fit(plain, made, found, fitted)
-        windows = _contradicting(first, plain)
+    windows = _contradicting(first, plain)
     noise = leaves_noise(compared.fitted, plain)
     if windows is not None and (noise or first.farther):
         tell("comparing simulated windows", 0.75)
@@ -118,19 +122,29 @@ def _contradicting(first: OnFit, plain: Workspace) -> Windows | None:
     return windows.divided(SHORTER) if plain.equations.unmeasured.any() else windows
 
 
-def _with_preferred_rivals(
-    plain: Workspace, compared: Posterior, found: Corrected, windows: Windows
-) -> tuple[Posterior, Corrected] | None:
-    """The posterior and the corrected model with rivals that windows prefer; None: there are none.
+def _compared_windows(first: OnFit, plain: Workspace) -> Windows | None:
+    """Windows of the fit for comparisons; None: there are none."""
+    contradicting = _contradicting(first, plain)
+    return contradicting if contradicting or first.shots is None else first.shots.after.windows.preceded()
 
-    Nor if a name would be lost with that: a law with more numbers suits windows a little better in any case.
+
+def _with_preferred_rivals(
+    plain: Workspace, compared: Posterior, found: Corrected, windows: Windows | None
+) -> tuple[Posterior, Corrected] | None:
+    """The posterior and the corrected model with rivals that windows prefer, and without those that they reject.
+
+    None where windows tell nothing, or if a name would be lost with that: a law with more numbers suits windows a
+    little better in any case.
     """
     rivals = {each.candidate: each.rivals for each in found.names}
-    if not any(rivals.values()):
+    if windows is None or not any(rivals.values()):
         return None
-    other = with_best(compared, preferred_by_windows(compared, rivals, windows))
-    if other is compared:
+    preferred = preferred_by_windows(compared, rivals, windows)
+    rejected = {**compared.rejected, **preferred.rejected}
+    other = with_best(compared, preferred.best)
+    if other is compared and rejected == compared.rejected:
         return None
+    other = dataclasses.replace(other, rejected=rejected)
     again, there = corrected(other, plain), {c for c, _ in other.best}
     new, still = there - {c for c, _ in compared.best}, found.named & there
     return (other, again) if new | still <= again.named else None

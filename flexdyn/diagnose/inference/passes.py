@@ -62,6 +62,7 @@ class Posterior:
         expected: kinds of effects that the user expects of this drive.
         by_fits: structures, each with a set that has one candidate more or one other, and the odds to that by fits.
         left_out: candidates without which a fit is more likely: log odds by it, and what the equations promised [1].
+        rejected: candidates that simulated windows reject: log odds of what they prefer in their place [1].
     """
 
     bare: Unweighted
@@ -74,6 +75,7 @@ class Posterior:
     earlier: tuple[Identities, ...] = ()
     by_fits: tuple[tuple[Structure, frozenset[int], float], ...] = ()
     left_out: Mapping[int, float] = dataclasses.field(default_factory=dict)
+    rejected: Mapping[int, float] = dataclasses.field(default_factory=dict)
 
     @property
     def noise(self) -> SampleNoise:

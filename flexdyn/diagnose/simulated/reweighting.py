@@ -139,6 +139,13 @@ def reweighed(
         return None
     # The windows have decided between what the linearisations did not agree about.
     by_windows = dataclasses.replace(
-        found, best=best, fitted=here.made, known=simulated.known, earlier=(), by_fits=(), left_out={}
+        found,
+        best=best,
+        fitted=here.made,
+        known=simulated.known,
+        earlier=(),
+        by_fits=(),
+        left_out={},
+        rejected={},
     )
     return Reweighed(by_windows, explained)

@@ -3,20 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.shooting.windows import Windows
-from flexdyn.diagnose.simulated.reweighting import COMPARED_SECONDS
-from flexdyn.diagnose.simulated.structures import Simulated
+from flexdyn.diagnose.simulated.reweighting import COMPARED_SECONDS, MUCH_NEARER
+from flexdyn.diagnose.simulated.structures import LARGEST_QUESTIONED, Simulated
 
 
-def preferred_by_windows(found: Posterior, rivals: Mapping[int, Sequence[int]], windows: Windows) -> Structure:
+@dataclass(frozen=True, eq=False)
+class Preferred:
+    """What windows say of laws that share a name.
+
+    Attributes:
+        best: the best structure, with the laws that windows prefer.
+        rejected: candidates that windows reject: log odds of the preferred one to each, in its place.
+    """
+
+    best: Structure
+    rejected: Mapping[int, float]
+
+
+def preferred_by_windows(found: Posterior, rivals: Mapping[int, Sequence[int]], windows: Windows) -> Preferred:
     """The best structure, with those rivals in the place of its candidates that make simulated windows more likely.
 
-    Equations mask the rows near reversals, and there dry friction and one that yields differ most. What has no name is
-    left out of the comparison, as it is left out of the corrected model.
+    Equations mask the rows near reversals, and there friction of a motor and of its link differ most, as dry friction
+    does from one that yields. What has no name is left out of the comparison, as it is left out of the corrected model.
+    Of a large structure no numbers are fitted to windows, and nothing is rejected.
 
     Args:
         found: the posterior over structures.
@@ -25,16 +40,45 @@ def preferred_by_windows(found: Posterior, rivals: Mapping[int, Sequence[int]], 
     """
     simulated, scan = Simulated(found, windows.lasting(COMPARED_SECONDS)), Scan(found.space)
     best, here = found.best, frozenset(each for each in found.best if each[0] in rivals)
-    simulated.start(here)
+    rejecting: dict[int, list[float]] = {}
     for candidate, others in rivals.items():
         mine = next((each for each in here if each[0] == candidate), None)
-        additions = scan.additions(best - {mine}) if mine and others else []
-        for other in others:
-            point = next((point for _, point in additions if point[0] == other), None)
-            if mine is None or point is None or here not in simulated.fits:
-                continue
-            there = here - {mine} | {point}
-            simulated.start(there)
-            if there in simulated.fits and simulated.is_worthwhile(there, here):
-                best, here, mine = best - {mine} | {point}, there, point
-    return best
+        if mine is None or not others:
+            continue
+        rest, additions = here - {mine}, scan.additions(best - {mine})
+        points = [mine, *(point for other in others for _, point in additions if point[0] == other)]
+        likeliest, odds = _compared(simulated, [rest | {point} for point in points])
+        for point in points:
+            rejecting.setdefault(point[0], []).append(odds.get(rest | {point}, 0.0))
+        preferred = next(point for point in points if rest | {point} == likeliest)
+        best, here = best - {mine} | {preferred}, likeliest
+    return Preferred(best, {c: min(each) for c, each in rejecting.items() if min(each) > 0.0})
+
+
+def _compared(simulated: Simulated, structures: Sequence[Structure]) -> tuple[Structure, dict[Structure, float]]:
+    """The likeliest of some structures, the first one unless another is worthwhile, and its log odds to rejected ones.
+
+    A structure is rejected if its windows are still much farther from noise after its numbers have been fitted to them.
+    """
+    first, *others = structures
+    for each in structures:
+        simulated.start(each)
+    if first not in simulated.fits:
+        return first, {}
+    here = first
+    for each in (*others, first):  # the first one may come back after its numbers have been fitted
+        if each == here or each not in simulated.fits:
+            continue
+        if simulated.is_worthwhile(here, each) and len(each) <= LARGEST_QUESTIONED:
+            simulated.fit(each)
+        if simulated.is_worthwhile(each, here):
+            here = each
+    if len(here) > LARGEST_QUESTIONED:
+        return here, {}
+    odds = {each: simulated.known[here] - simulated.known[each] for each in simulated.fitted if each in structures}
+    return here, {each: gain for each, gain in odds.items() if gain > _much_nearer(simulated, here, each)}
+
+
+def _much_nearer(simulated: Simulated, here: Structure, there: Structure) -> float:
+    """Log odds from which the windows of a structure are much nearer to noise than those of another one."""
+    return max(simulated.fits[here].worthwhile, MUCH_NEARER * simulated.fits[there].shot.above_noise)
