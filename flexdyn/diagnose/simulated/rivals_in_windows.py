@@ -11,6 +11,7 @@ from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import COMPARED_SECONDS, MUCH_NEARER
 from flexdyn.diagnose.simulated.structures import LARGEST_QUESTIONED, Simulated
+from flexdyn.diagnose.simulated.window_fit import unlike_noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,27 +57,28 @@ def preferred_by_windows(found: Posterior, rivals: Mapping[int, Sequence[int]], 
 
 
 def _compared(simulated: Simulated, structures: Sequence[Structure]) -> tuple[Structure, dict[Structure, float]]:
-    """The likeliest of some structures, the first one unless another is worthwhile, and its log odds to rejected ones.
+    """The preferred one of some structures, and its log odds to those that windows reject.
 
-    A structure is rejected if its windows are still much farther from noise after its numbers have been fitted to them.
+    Where the windows of the first one are at noise it is preferred: the level of the noise is not known well enough for
+    their likelihoods. A structure is rejected if its windows are unlike noise with numbers that suit them.
     """
     first, *others = structures
     for each in structures:
         simulated.start(each)
+        if each in simulated.fits and len(each) <= LARGEST_QUESTIONED and unlike_noise(simulated.fits[each].shot):
+            simulated.fit(each)
     if first not in simulated.fits:
         return first, {}
     here = first
-    for each in (*others, first):  # the first one may come back after its numbers have been fitted
-        if each == here or each not in simulated.fits:
-            continue
-        if simulated.is_worthwhile(here, each) and len(each) <= LARGEST_QUESTIONED:
-            simulated.fit(each)
-        if simulated.is_worthwhile(each, here):
+    for each in others:
+        if each in simulated.fits and unlike_noise(simulated.fits[here].shot) and simulated.is_worthwhile(each, here):
             here = each
-    if len(here) > LARGEST_QUESTIONED:
-        return here, {}
-    odds = {each: simulated.known[here] - simulated.known[each] for each in simulated.fitted if each in structures}
-    return here, {each: gain for each, gain in odds.items() if gain > _much_nearer(simulated, here, each)}
+    odds = {each: simulated.known[here] - simulated.known[each] for each in structures if each in simulated.fitted}
+    return here, {
+        each: gain
+        for each, gain in odds.items()
+        if unlike_noise(simulated.fits[each].shot) and gain > _much_nearer(simulated, here, each)
+    }
 
 
 def _much_nearer(simulated: Simulated, here: Structure, there: Structure) -> float:
