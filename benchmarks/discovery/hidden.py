@@ -50,6 +50,8 @@ SUMMED = (at.VISCOUS, at.POSITIVE, at.NEGATIVE)
 WITHOUT_COULOMB = ("coulomb_friction", "asymmetric_friction", "presliding_friction")
 WRONG = ("stiffness", "rotor_inertia", "link_mass", "link_com", "link_inertia", "coefficient", "level")
 """Numbers that a `parameter_error` may sit on; the last two of the known motor friction."""
+LAWS = sizes.FRICTION | sizes.TRANSMISSION | sizes.MOTOR | sizes.LINK | sizes.SENSOR | {"payload": sizes.payload}
+"""Parameters of every law that can be hidden, drawn at the size that a case wants."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,8 +127,7 @@ def draw(site: Site, scale: Scale, joints: Sequence[str] = JOINTS, links: Sequen
         return Hidden(name, None if side.startswith("link_") else j, None, {"factor": factor}, place)
     if name == "joint_elasticity":
         return Hidden(name, j, side, {"stiffness": scale.K})
-    table = sizes.FRICTION | sizes.TRANSMISSION | sizes.MOTOR | sizes.LINK | sizes.SENSOR | {"payload": sizes.payload}
-    law = (table | wide.LAWS if scale.wide else table)[name]
+    law = (LAWS | wide.LAWS if scale.wide else LAWS)[name]
     if name == "payload":
         return Hidden(name, None, None, law(scale), {"frame": "tool"})
     if name in sizes.SENSOR:

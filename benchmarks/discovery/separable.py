@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from arm_draw import JOINTS, LINKS, TwoLinkArm
 from cases import FAMILIES, make_case, scale_of
-from hidden import Hidden, Site, draw
+from hidden import LAWS, Hidden, Site, draw
 from layout import Array
 from model_text import known_effects
 from names import SENSORS, same, text
@@ -55,7 +55,8 @@ def site_of(entry: Mapping[str, Any], given: TwoLinkArm) -> Site | None:
         names = JOINTS if of in JOINTS else LINKS
         return (name, names.index(of), number) if of in names else None
     place = text(entry, "joint") or ""
-    return (name, JOINTS.index(place), str(entry["side"])) if place in JOINTS else None
+    known = name in LAWS or name == "joint_elasticity"  # the simulator lacks some laws of the catalogue
+    return (name, JOINTS.index(place), str(entry["side"])) if place in JOINTS and known else None
 
 
 def calibrated(arm: TwoLinkArm, logs: Array) -> TwoLinkArm:

@@ -50,6 +50,8 @@ MORE = [
     ("motor_only_wide", 106001, 3, "a hardening spring of an arm that moves one joint after the other"),
     ("motor_only", 108001, 2, "asymmetric friction, which is Coulomb friction and an offset"),
     ("motor_only", 112001, 0, "an end stop that is seldom touched"),
+    ("motor_only", 270001, 0, "Coulomb friction on a motor, which only windows tell from that on the link"),
+    ("link_only", 270001, 3, "asymmetric friction on a link, which only windows tell from that on the motor"),
     (
         "triple",
         121001,
