@@ -64,11 +64,13 @@ class Gram:
         self.log_volume = 0.5 * float(np.log(lam).sum()) - float(np.log(np.diag(self.factor)).sum())
         self.inverse = solve_triangular(self.factor, np.eye(base), lower=True)
         self._eliminate(first, 0)
-        self.eliminated = Eliminated(products, weights, lam, self.inverse.T @ self.z, self._by)
+        inverse, V = self.inverse, self.V
 
-    def _by(self, columns: Indices) -> Array:
-        """Coefficients of the base by other columns (base, columns)."""
-        return np.asarray(self.inverse.T @ self.V[:, columns])
+        def by(columns: Indices) -> Array:  # not a method: that would keep the products until a search for cycles
+            """Coefficients of the base by other columns (base, columns)."""
+            return np.asarray(inverse.T @ V[:, columns])
+
+        self.eliminated = Eliminated(products, weights, lam, inverse.T @ self.z, by)
 
     def _eliminate(self, first: Array, new: int) -> None:
         """Take what the base explains off the products of new columns (base, new columns)."""

@@ -158,10 +158,8 @@ class Linearisation:
     @lazy
     def plain(self) -> Workspace:
         """Weights by the sensors' noise alone; where rows are full of it, they follow the numbers that it is times."""
-        made = weighed(self.near)
-        if not self.near.equations.noisy:
-            return made
-        return dataclasses.replace(made, anew=lambda at: weighed(self.near, at))
+        near, made = self.near, weighed(self.near)
+        return dataclasses.replace(made, anew=lambda at: weighed(near, at)) if near.equations.noisy else made
 
     def fitted(self, there: Hypothesis, steps: int, error: ModelError | None = None) -> Fit:
         """The fit of a hypothesis, with weights by what the last fit left until they suit it.
