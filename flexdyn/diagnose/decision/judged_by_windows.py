@@ -124,8 +124,8 @@ def _contradicting(first: OnFit, plain: Workspace) -> Windows | None:
 
 def _compared_windows(first: OnFit, plain: Workspace) -> Windows | None:
     """Windows of the fit for comparisons; None: there are none."""
-    contradicting = _contradicting(first, plain)
-    return contradicting if contradicting or first.shots is None else first.shots.after.windows.preceded()
+    windows = _contradicting(first, plain)
+    return first.shots.after.windows.preceded() if windows is None and first.shots is not None else windows
 
 
 def _with_preferred_rivals(
