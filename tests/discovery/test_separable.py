@@ -7,7 +7,7 @@ import pytest
 from hidden import Hidden, Site
 from plants import true_plant
 from score import INSEPARABLE
-from separable import delta_bic
+from separable import delta_bic, site_of
 from two_link_run import controlled
 
 KINEMATIC = Hidden("kinematic_error", 0, "transmission", {"amplitude": 1e-4, "harmonic": 2.0, "phase": 0.6})
@@ -36,3 +36,12 @@ def test_laws_are_apart_where_they_do_not_do_the_same(true: Hidden, rival: Site 
         one.name, (true,), one.arm, one.arm, plant, runs[0], runs[1], one.recordings, one.sensors, one.controls
     )
     assert (delta_bic(case, true, rival) > INSEPARABLE) == apart
+
+
+@pytest.mark.parametrize(
+    ("effect", "expected"), [("directional_gear_loss", None), ("viscous_friction", ("viscous_friction", 1, "motor"))]
+)
+def test_a_rival_has_a_site_only_where_the_simulator_has_its_law(effect: str, expected: Site | None) -> None:
+    """A report may name laws of the catalogue that no case can hide."""
+    given = cases.make_case("none", 5, 0, 3.0, 1.5).given
+    assert site_of({"effect": effect, "joint": "elbow", "side": "motor"}, given) == expected

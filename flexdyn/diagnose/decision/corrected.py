@@ -180,7 +180,8 @@ def _masses(found: Posterior) -> Masses:
 
     Something outside the catalogue is explained by another law at every linearisation; an effect that exists is in all
     of them. Of the structures at other linearisations, only effects of the present best structure count, laws that
-    contain them or that they contain, and what could take their place here or along the motion.
+    contain them or that they contain, and what could take their place here or along the motion. At last, sets with what
+    simulated windows reject are less probable by the odds there.
     """
     space, masses = found.space, Masses.of(found.known).without(found.left_out).by_fits(found.by_fits)
     best = frozenset(c for c, _ in found.best)

@@ -20,7 +20,8 @@ class Preferred:
 
     Attributes:
         best: the best structure, with the laws that windows prefer.
-        rejected: candidates that windows reject: log odds of the preferred one to each, in its place.
+        rejected: candidates that windows reject in the place of every name that they share: the least log odds of
+            what is preferred there.
     """
 
     best: Structure
