@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from scipy.special import ndtr
 
 from flexdyn.diagnose.constants import ESTABLISHED, IN_TOLERANCE
+from flexdyn.diagnose.decision.averaged import FACTOR, NumberShifts, shifts_of_numbers
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.gains import in_order
 from flexdyn.diagnose.decision.model_effects import with_elasticity
@@ -43,7 +44,8 @@ def findings(
         named: the names that are reported, see `reported_names`.
         gains: by candidate, share of the gap on the test data that it removes.
     """
-    made = [_finding_of(model, found, each, gains) for each in named]
+    shifts = shifts_of_numbers(found)
+    made = [_finding_of(model, found, each, gains, shifts) for each in named]
     of = {each.candidate: entry for each, entry in zip(named, made, strict=True)}
     return tuple(of[c] for c in in_order(list(of), gains))
 
@@ -93,13 +95,20 @@ def _beyond_by(number: FileNumber, factor: float, std: float) -> float:
     return (abs(factor - 1.0) - IN_TOLERANCE * number.tolerance) / max(std, 1e-300)
 
 
-def _finding_of(model: FlexibleJointModel, found: Corrected, name: Name, gains: Mapping[int, float]) -> Finding:
+def _finding_of(
+    model: FlexibleJointModel,
+    found: Corrected,
+    name: Name,
+    gains: Mapping[int, float],
+    shifts: NumberShifts,
+) -> Finding:
     masses, candidates, c = found.masses, found.candidates, name.candidate
     compared = c in masses.candidates
     alone = masses.of_any([c]) if name.rivals else name.probability
-    suspect = suspect_of(
-        model, candidates[c], alone, _numbers_of_candidate(model, candidates[c], found.hypothesis, found.fitted)
-    )
+    numbers = _numbers_of_candidate(model, candidates[c], found.hypothesis, found.fitted)
+    for key in numbers.keys() & {parameter for of, parameter in shifts if of == c}:
+        numbers[key] = dataclasses.replace(numbers[key], std=shifts[c, key].widened(numbers[key].std))
+    suspect = suspect_of(model, candidates[c], alone, numbers)
     rivals = tuple(
         suspect_of(
             model, candidates[r], masses.of_any([r]), _numbers_of_candidate(model, candidates[r], found.instead(r, c))
@@ -121,7 +130,7 @@ def _numbers_of_candidate(
         return {}
     if candidate.number is not None:
         std = math.nan if made is None else made.factor_std()[candidate.number]
-        return {"factor": Number(here.factors[candidate.number], std, "1")}
+        return {FACTOR: Number(here.factors[candidate.number], std, "1")}
     effect = effect_of(candidate, here)
     return {} if effect is None else numbers_of(model, effect, None if made is None else made.std())
 

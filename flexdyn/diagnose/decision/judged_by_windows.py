@@ -56,6 +56,8 @@ def judged_by_windows(
     noise = leaves_noise(compared.fitted, plain)
     if windows is not None and (noise or first.farther):
         tell("comparing simulated windows", 0.75)
+        if found.explained and {c for c, _ in compared.best} <= found.named:  # a pass may end far from its last fit
+            compared = dataclasses.replace(compared, fitted=found.fitted)
         by_windows = _by_windows(plain, compared, found, windows) if noise else None
         judges: Judges = "both" if by_windows is None else "either" if by_windows.explained else "windows"
         compared = compared if by_windows is None else by_windows.found

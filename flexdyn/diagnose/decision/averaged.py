@@ -1,0 +1,112 @@
+"""How far the numbers of a finding are known, over the structures that share the probability.
+
+A fit knows its numbers as if its structure were certain. Whether other effects are there is not certain, and those move
+the numbers. So a number has a mixture of distributions: one around its value in each structure, with the probability of
+that structure (Hoeting, Madigan, Raftery and Volinsky, Statistical Science 14, 1999). The reported interval
+x +- w holds 95 % of the mixture:
+
+    sum_k p_k (Phi((x + w - x_k)/s) - Phi((x - w - x_k)/s)) = 0.95                       (8)
+
+x and s are the value and the standard deviation of the corrected model's fit, x_k - x by the linear equations.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ndtr
+
+from flexdyn.arrays import Array
+from flexdyn.diagnose.decision.corrected import Corrected
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
+from flexdyn.diagnose.inference.candidate import Candidate
+from flexdyn.diagnose.inference.space import Structure
+from flexdyn.diagnose.inference.structure_model import effect_of, hypothesis_of
+from flexdyn.diagnose.report.suspects import CONFIDENCE
+
+NEGLIGIBLE_MASS = 1e-3
+"""Probability of a structure from which its numbers count [1]: the rarer ones hardly change an interval."""
+FACTOR = "factor"
+"""The number of a finding that is a number of the file."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shifts:
+    """How far a number is from its value in the corrected model, in the structures that have it.
+
+    Attributes:
+        shift: in the unit of the number (structures,).
+        probability: of the structures, normalised (structures,).
+    """
+
+    shift: Array
+    probability: Array
+
+    def widened(self, std: float) -> float:
+        """Standard deviation of a normal distribution whose 95 % interval is that of the mixture.
+
+        Args:
+            std: of the number in a single structure.
+        """
+        inside = float(ndtr(CONFIDENCE) - ndtr(-CONFIDENCE))
+        farthest = float(np.abs(self.shift).max())
+        if not std >= 0.0 or farthest == 0.0:  # it is not known, or nothing is added to it
+            return std
+        s = max(std, 1e-9 * farthest)
+
+        def lacks(w: float) -> float:
+            held = ndtr((w - self.shift) / s) - ndtr((-w - self.shift) / s)
+            return float(self.probability @ held) - inside
+
+        return max(std, float(brentq(lacks, 0.0, farthest + 2.0 * CONFIDENCE * s)) / CONFIDENCE)
+
+
+NumberShifts = dict[tuple[int, str], Shifts]
+"""By candidate and parameter."""
+
+
+def shifts_of_numbers(found: Corrected) -> NumberShifts:
+    """Numbers of every name in the structures that have it, by the linear equations.
+
+    Args:
+        found: the corrected model.
+
+    Returns:
+        by candidate and parameter; what structures do not tell is not in it.
+    """
+    masses = found.masses
+    own = _numbers(found, _structure_of(found))
+    made: dict[tuple[int, str], list[tuple[float, float]]] = {}
+    for structure, log, p in zip(masses.structures, masses.log, masses.probability, strict=True):
+        if p < NEGLIGIBLE_MASS or not math.isfinite(log):  # those of other linearisations have no grid points here
+            continue
+        for key, value in _numbers(found, structure).items():
+            if key in own and math.isfinite(value - own[key]):
+                made.setdefault(key, []).append((value - own[key], float(p)))
+    arrays = {key: np.array(each).T for key, each in made.items()}
+    return {key: Shifts(shift, p / p.sum()) for key, (shift, p) in arrays.items()}
+
+
+def _structure_of(found: Corrected) -> Structure:
+    """The corrected model as a structure of the last linearisation, as far as the most probable one has it."""
+    return frozenset((c, p) for c, p in found.masses.structures[0] if _is_there(found.candidates[c], found.hypothesis))
+
+
+def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
+    return candidate.number in here.freed if candidate.number is not None else effect_of(candidate, here) is not None
+
+
+def _numbers(found: Corrected, structure: Structure) -> dict[tuple[int, str], float]:
+    """Sizes of the names that a structure has, with its coefficients by the linear equations."""
+    made = hypothesis_of(found.space, structure, whole=True)
+    there, numbers = {c for c, _ in structure}, {}
+    for c in sorted(found.named & there):
+        candidate = found.candidates[c]
+        if candidate.number is not None:
+            numbers[c, FACTOR] = made.factors[candidate.number]
+        elif (effect := effect_of(candidate, made)) is not None:
+            numbers |= {(c, name): float(getattr(effect, name)) for name in effect.neutral}
+    return numbers
