@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +11,13 @@ import pytest
 
 import flexdyn as fd
 from flexdyn.diagnose.data.measured import measured
+from flexdyn.diagnose.decision.corrected import corrected
 from flexdyn.diagnose.decision.one_law import with_best
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.prepared import prepared
+from flexdyn.diagnose.hypothesis.workspace import weighed
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.posterior import posterior
 from flexdyn.diagnose.shooting.gap import shoot
@@ -22,7 +25,7 @@ from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import reweighed, share_in_windows
 from flexdyn.diagnose.simulated.rivals_in_windows import preferred_by_windows
 from flexdyn.diagnose.simulated.structures import Simulated
-from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows, searched, unlike_noise
+from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows, searched, to_windows, unlike_noise
 from flexdyn.diagnose.simulated.window_scan import promising
 from flexdyn.model.uncertain_parameters import FileNumber
 from tests.diagnose.truths import Levels, slider_model, slider_recording, sliding
@@ -166,6 +169,39 @@ def test_windows_at_noise_lack_nothing(tmp_path: Path) -> None:
     grown = simulated.grown(nothing)
     assert grown > nothing
     assert not unlike_noise(simulated.fits[grown].shot)
+
+
+def test_windows_at_noise_are_equally_likely(tmp_path: Path) -> None:
+    """With the friction, and with a drag beside it: priors alone divide them, and nothing else is as likely."""
+    found, _, windows = _compared(tmp_path, 0.0, LEVEL)
+    drag = next(c for c, each in enumerate(found.space.candidates) if each.kind == "quadratic_drag")
+    more, nothing = found.best | {(drag, 0)}, frozenset[tuple[int, int]]()
+    simulated = Simulated(found, windows)
+    for each in (found.best, more, nothing):
+        simulated.start(each)
+    made, known = simulated.fits, simulated.known
+    prior = {
+        each: made[each].log_posterior - made[each].shot.log_likelihood + found.space.log_volume(each) for each in made
+    }
+    assert made[more].shot.log_likelihood != made[found.best].shot.log_likelihood
+    assert known[more] - known[found.best] == pytest.approx(prior[more] - prior[found.best])
+    assert known[nothing] < known[more] - 1000.0
+
+
+def test_what_windows_have_found_is_fitted_to_them_where_another_part_goes(tmp_path: Path) -> None:
+    """Friction beside a mass that turns out to be right, and gets no name: the equations may not see the friction."""
+    found, _, windows = _compared(tmp_path, 0.0, LEVEL)
+    candidates, plain = found.space.candidates, weighed(dataclasses.replace(found.bare, noise=found.noise))
+    c = next(c for c, each in enumerate(candidates) if each.number and each.number.parameter == "link_mass")
+    number, both = candidates[c].number, found.best | {(c, 0)}
+    assert number is not None
+    here = dataclasses.replace(found.fitted.hypothesis, freed=frozenset({number}))
+    held = dataclasses.replace(found, best=both, known={both: 0.0}, fitted=to_windows(windows, found.fitted, here))
+    answer = corrected(held, plain, refit=partial(to_windows, windows))
+    assert [candidates[each.candidate].kind for each in answer.names] == ["coulomb_friction"]
+    assert _level(answer.hypothesis) == pytest.approx(LEVEL, rel=0.01)
+    assert answer.fitted.block == held.fitted.block > 0
+    assert not corrected(held, plain).fitted.block
 
 
 def test_windows_promise_what_is_missing_and_nothing_where_nothing_is(tmp_path: Path) -> None:

@@ -52,6 +52,8 @@ MORE = [
     ("motor_only", 112001, 0, "an end stop that is seldom touched"),
     ("motor_only", 270001, 0, "Coulomb friction on a motor, which only windows tell from that on the link"),
     ("link_only", 270001, 3, "asymmetric friction on a link, which only windows tell from that on the motor"),
+    ("link_only", 280001, 5, "Stribeck friction of a motor, which acts in slow motion that the equations mask"),
+    ("link_only_wide", 280001, 0, "a wrong coefficient, which windows at noise took for damping of the gear"),
     (
         "triple",
         121001,

@@ -14,7 +14,15 @@ from flexdyn.arrays import Array
 from flexdyn.diagnose.constants import ESTABLISHED, LEAST_IN_COMMON, SMALLEST_TORQUE_SHARE
 from flexdyn.diagnose.decision.calibrated import within
 from flexdyn.diagnose.decision.even_odds import told_by_data
-from flexdyn.diagnose.decision.last_fit import continued, converged, fit_of_kept, leaves_noise, no_stiffer_than_seen
+from flexdyn.diagnose.decision.last_fit import (
+    Refit,
+    continued,
+    converged,
+    fit_of_kept,
+    leaves_noise,
+    no_stiffer_than_seen,
+    to_equations,
+)
 from flexdyn.diagnose.decision.masses import Masses
 from flexdyn.diagnose.decision.model_effects import possible
 from flexdyn.diagnose.decision.naming import Name, names, standing_in
@@ -103,7 +111,12 @@ class Corrected:
 
 
 def corrected(
-    found: Posterior, plain: Workspace, simulated_share: Share | None = None, *, judges: Judges = "either"
+    found: Posterior,
+    plain: Workspace,
+    simulated_share: Share | None = None,
+    *,
+    judges: Judges = "either",
+    refit: Refit = to_equations,
 ) -> Corrected:
     """Name what is established, and fit the model with these names and no others.
 
@@ -117,6 +130,7 @@ def corrected(
             not make it stand out [1]; None: they alone decide.
         judges: in which of equations and simulations a name must stand out: in both where simulations reject the
             structure, in windows alone where they and not the equations have found it.
+        refit: fits what is left where a part without a name goes.
     """
     space, here = found.space, found.fitted.hypothesis
     masses = _masses(found)
@@ -147,15 +161,14 @@ def corrected(
         own |= {c: min(own[c], alone[c]) for c in told}
         named = names(masses, best, weighed(), there, may)
     kept = told_by_data(space, masses, best, [each for each in named if each.established], may)
-    made = fit_of_kept(space, found.fitted, {each.candidate for each in kept} | completed(kept))
+    made = fit_of_kept(space, found.fitted, {each.candidate for each in kept} | completed(kept), refit)
     # An effect that explains more in simulations than remains there may be small in the equations.
     least = {c: 0.0 if simulated.get(c, 0.0) > 1.0 else SMALLEST_TORQUE_SHARE for c in best}
     # The linear equations may have promised too much; what is left out displaces the others.
     while kept != (kept := tuple(each for each in kept if stays(space, each.candidate, made, least[each.candidate]))):
-        made = fit_of_kept(space, made, {each.candidate for each in kept} | completed(kept))
+        made = fit_of_kept(space, made, {each.candidate for each in kept} | completed(kept), refit)
     if not made.block:  # what was fitted to windows stays: the equations may not see it
-        made = less_rounded(continued(made))
-    made = no_stiffer_than_seen(made)
+        made = no_stiffer_than_seen(less_rounded(continued(made)))
     kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
     explained = leaves_noise(made, plain)
     made = made if explained else within(made)

@@ -9,20 +9,19 @@ from collections.abc import Sequence
 from flexdyn.diagnose.decision.corrected import Corrected, Judges, corrected
 from flexdyn.diagnose.decision.figures import OnFit, on_fit
 from flexdyn.diagnose.decision.findings import reported_names
-from flexdyn.diagnose.decision.last_fit import leaves_noise
+from flexdyn.diagnose.decision.last_fit import leaves_noise, to_equations
 from flexdyn.diagnose.decision.naming import Name
 from flexdyn.diagnose.decision.one_law import with_best
 from flexdyn.diagnose.decision.split import DataPart
 from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.inference.passes import Posterior
-from flexdyn.diagnose.inference.structure_model import effect_of
 from flexdyn.diagnose.progress import tell
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.reweighting import Reweighed, reweighed, share_in_windows
 from flexdyn.diagnose.simulated.rivals_in_windows import preferred_by_windows
 from flexdyn.diagnose.simulated.structures import Simulated
-from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows, unlike_noise
+from flexdyn.diagnose.simulated.window_fit import to_windows, unlike_noise
 from flexdyn.effects import DeflectionEffect
 
 Said = tuple[Posterior, Corrected, list[Name], OnFit]
@@ -61,11 +60,9 @@ def judged_by_windows(
         by_windows = _by_windows(plain, compared, found, windows) if noise else None
         judges: Judges = "both" if by_windows is None else "either" if by_windows.explained else "windows"
         compared = compared if by_windows is None else by_windows.found
+        refit = to_equations if by_windows is None else functools.partial(to_windows, windows)
         share = functools.partial(share_in_windows, Simulated(compared, windows))
-        again = corrected(compared, plain, share, judges=judges)
-        if by_windows is not None and not again.fitted.block:  # a part without a name has gone
-            start = _with_numbers_of(again, compared)
-            again = dataclasses.replace(again, fitted=fit_to_windows(WindowFit.of(start, windows)).made)
+        again = corrected(compared, plain, share, judges=judges, refit=refit)
         found, named, first = _on_fit(plain, made, again, fitted, rejected=judges == "both")
     return compared, found, named, first
 
@@ -81,17 +78,6 @@ def _by_windows(plain: Workspace, compared: Posterior, found: Corrected, windows
     if other is None or leaves_noise(other.found.fitted, plain):
         return other
     return other if other.explained and _has_hidden_play(other.found.fitted, plain) else None
-
-
-def _with_numbers_of(found: Corrected, by_windows: Posterior) -> Fit:
-    """The fit of a corrected model at the numbers that suit windows: the equations may not see some of them."""
-    here, there = found.hypothesis, by_windows.fitted.hypothesis
-    for c, _ in by_windows.best:
-        mine, other = (effect_of(found.candidates[c], each) for each in (here, there))
-        if mine is not None and other is not None:
-            here = here.with_instead(mine, other)
-    here = dataclasses.replace(here, factors=dict(there.factors)).tolerated()
-    return dataclasses.replace(found.fitted, hypothesis=here, equations=found.fitted.equations.of(here.model()))
 
 
 def _has_hidden_play(made: Fit, plain: Workspace) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 
 from flexdyn.diagnose.constants import PROMISED_DROP
 from flexdyn.diagnose.decision.model_effects import with_elasticity
@@ -13,24 +13,39 @@ from flexdyn.diagnose.decision.verdict import left_by_joint
 from flexdyn.diagnose.hypothesis.estimate import fit
 from flexdyn.diagnose.hypothesis.exact_descent import descended
 from flexdyn.diagnose.hypothesis.fitted import Fit
+from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
 from flexdyn.diagnose.hypothesis.workspace import Workspace
 from flexdyn.diagnose.inference.space import Space
 from flexdyn.diagnose.inference.structure_model import effect_of
 
+Refit = Callable[[Fit, Hypothesis], Fit]
+"""Fits another hypothesis to the data of a fit: to its equations, or to simulated windows."""
 PROMISED_SHARE = 0.005
 """A fit has not converged if its next step would also decrease chi^2 by more than this share [1]."""
 CONTINUATIONS = 6
 """Times at most that the fit of the corrected model is continued from where its steps ended."""
 
 
-def fit_of_kept(space: Space, made: Fit, kept: Collection[int]) -> Fit:
-    """The fit with the kept candidates alone."""
+def fit_of_kept(space: Space, made: Fit, kept: Collection[int], refit: Refit) -> Fit:
+    """The fit with the kept candidates alone.
+
+    Args:
+        space: that has the candidates.
+        made: the fit with all of them.
+        kept: the candidates.
+        refit: fits what is left.
+    """
     here, own = made.hypothesis, [space.candidates[c] for c in sorted(kept)]
     effects = with_elasticity(here, [each for each in here.effects if any(effect_of(one, here) is each for one in own)])
     freed = frozenset(one.number for one in own if one.number is not None)
     if effects == here.effects and freed == here.freed:
         return made
-    return fit(dataclasses.replace(here, effects=effects, freed=freed), made.space)
+    return refit(made, dataclasses.replace(here, effects=effects, freed=freed))
+
+
+def to_equations(made: Fit, here: Hypothesis) -> Fit:
+    """Another hypothesis, fitted to the equations of a fit."""
+    return fit(here, made.space)
 
 
 def no_stiffer_than_seen(made: Fit) -> Fit:

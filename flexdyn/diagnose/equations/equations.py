@@ -174,7 +174,10 @@ class Equations(EquationRows):
 
     def change(self, effects: Sequence[Effect]) -> Array:
         """Change of the residual (rows,) where the model has these effects; all equations are computed again."""
-        return self._with(self.model.replace(effects=effects)).residual - self.residual
+        here, other = self.residual, self._with(self.model.replace(effects=effects))
+        for own, its in zip(self.motions, other.motions, strict=True):
+            its.take_slopes(own)
+        return other.residual - here
 
     def of_terms(self, j: int, terms: Callable[[SmoothedMotion], Torques]) -> Array:
         """The contribution of torques in one joint's equations to the rows (rows,)."""

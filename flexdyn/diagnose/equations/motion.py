@@ -67,6 +67,15 @@ class SmoothedMotion(Smoothed):
             return self.near.dragged(j, moved, at)
         return np.asarray(sum(s * d[:, None] for s, d in zip(self._slopes(j, at), moved, strict=True)))
 
+    def take_slopes(self, other: SmoothedMotion) -> None:
+        """Use those slopes that another motion knows, if both are similar to the same one.
+
+        They multiply what the equations leave. So the change of a residual by a small step does not show whose they
+        are.
+        """
+        if self.near is not None and self.near in (other, other.near):
+            self._known.update(other._known)
+
     def slopes_by(self, joints: Indices) -> tuple[Array, Array, Array]:
         """Slopes of M a + h at some joints by their positions, speeds and accelerations (samples, joints, joints)."""
         each = [self._slopes(j, slice(None)) for j in joints.tolist()]

@@ -124,7 +124,7 @@ def reweighed(
         here = _with_other_numbers(simulated, here)
     large = len(found.best) > LARGEST_QUESTIONED
     if (all_named or large) and here.explains and fits(here.made):
-        return Reweighed(dataclasses.replace(found, fitted=here.made), True)
+        return Reweighed(dataclasses.replace(found, fitted=fit_to_windows(here).made), True)
     if large:
         return None
     best = simulated.climbed(found.best)

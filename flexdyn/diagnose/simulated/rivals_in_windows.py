@@ -74,7 +74,8 @@ def _compared(simulated: Simulated, structures: Sequence[Structure]) -> tuple[St
     for each in others:
         if each in simulated.fits and unlike_noise(simulated.fits[here].shot) and simulated.is_worthwhile(each, here):
             here = each
-    odds = {each: simulated.known[here] - simulated.known[each] for each in structures if each in simulated.fitted}
+    known = simulated.known
+    odds = {each: known[here] - known[each] for each in structures if each in simulated.fitted}
     return here, {
         each: gain
         for each, gain in odds.items()

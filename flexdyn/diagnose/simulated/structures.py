@@ -47,7 +47,6 @@ class Simulated:
 
     def __init__(self, found: Posterior, windows: Windows) -> None:
         self.found, self.windows = found, windows
-        self.known: dict[Structure, float] = {}
         self.fits: dict[Structure, WindowFit] = {}
         self.tried: set[Structure] = set()
         self.fitted: set[Structure] = set()
@@ -92,11 +91,26 @@ class Simulated:
     def _take(self, structure: Structure, made: WindowFit) -> None:
         if math.isfinite(made.log_posterior):  # else no window could be simulated
             self.fits[structure] = made
-            self.known[structure] = made.log_posterior + self.found.space.log_volume(structure)
+
+    @property
+    def known(self) -> dict[Structure, float]:
+        """Log posteriors of those simulated.
+
+        Windows at noise all have the greatest likelihood: the level and the spectrum of the noise are not known well
+        enough to compare them.
+        """
+        most = max((each.shot.log_likelihood for each in self.fits.values()), default=0.0)
+        return {
+            structure: self.found.space.log_volume(structure)
+            + made.log_posterior
+            + (0.0 if unlike_noise(made.shot) else most - made.shot.log_likelihood)
+            for structure, made in self.fits.items()
+        }
 
     def best(self) -> Structure:
         """The most likely of those simulated."""
-        return max(self.known, key=lambda s: (self.known[s], sorted(s)))
+        known = self.known
+        return max(known, key=lambda s: (known[s], sorted(s)))
 
     def around(self, here: Structure) -> None:
         """Compare a fitted structure with those that lack one of its candidates, or have another in its place.
@@ -183,15 +197,15 @@ class Simulated:
             self.fit(each)
             if lacking and each in self.fitted:
                 self.grown(each)
-            if not lacking or (self.known and self.fits[self.best()].explains):
+            if not lacking or (self.fits and self.fits[self.best()].explains):
                 break
-        for _ in range(SEARCH_ROUNDS if self.known else 0):
+        for _ in range(SEARCH_ROUNDS if self.fits else 0):
             here = self.best()
             self.around(here)
             if not self.is_worthwhile(self.best(), here):
                 break
             self.grown(self.best())
-        return self.best() if self.known else start
+        return self.best() if self.fits else start
 
     def _rivals(self, structure: Structure) -> None:
         """Simulate what loses little in the place of each candidate in the equations, where reversals are masked."""
@@ -208,8 +222,10 @@ class Simulated:
 
     def is_worthwhile(self, there: Structure, here: Structure) -> bool:
         """Whether a search goes on from a structure that came after another one."""
-        return self.known[there] - self.known[here] > self.fits[there].worthwhile
+        known = self.known
+        return known[there] - known[here] > self.fits[there].worthwhile
 
     def _first(self, structures: list[Structure]) -> list[Structure]:
         """Those that could be simulated, the most likely one first."""
-        return sorted((s for s in structures if s in self.known), key=lambda s: (-self.known[s], sorted(s)))
+        known = self.known
+        return sorted((s for s in structures if s in known), key=lambda s: (-known[s], sorted(s)))

@@ -146,6 +146,18 @@ def fit_to_windows(start: WindowFit) -> WindowFit:
     return dataclasses.replace(best, made=_problem(best, J))
 
 
+def to_windows(windows: Windows, made: Fit, here: Hypothesis) -> Fit:
+    """Another hypothesis, fitted to windows instead of the equations, which may not see what windows have found.
+
+    Args:
+        windows: of the data.
+        made: a fit of these data.
+        here: the hypothesis.
+    """
+    start = dataclasses.replace(made, hypothesis=here, equations=made.space.equations.of(here.model()))
+    return fit_to_windows(WindowFit.of(start, windows)).made
+
+
 def searched(start: WindowFit) -> WindowFit:
     """The same with those numbers of laws without a linear one that suit the windows best, found without slopes.
 
