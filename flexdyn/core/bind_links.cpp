@@ -77,6 +77,18 @@ void inverse_dynamics(const LinkDynamics& links, Array q, Array v, Array a, OutA
   }
 }
 
+void inverse_derivatives(const LinkDynamics& links, Array q, Array v, Array a, OutArray by_q, OutArray by_v) {
+  const std::size_t rows = rows_of(links, q), n = links.size();
+  require(v.size() == q.size() && a.size() == q.size(), "q, v, a differ in size");
+  require(by_q.size() == rows * n * n && by_v.size() == rows * n * n, "derivatives are (rows, n, n)");
+  nb::gil_scoped_release release;
+  auto work = links.workspace();
+  for (std::size_t i = 0; i < rows; ++i) {
+    links.inverse_derivatives(*work, q.data() + i * n, v.data() + i * n, a.data() + i * n, by_q.data() + i * n * n,
+                              by_v.data() + i * n * n);
+  }
+}
+
 void inertial_torques(const LinkDynamics& links, Array q, Array v, Array a, Array more, OutArray tau) {
   const std::size_t rows = rows_of(links, q), n = links.size();
   const std::size_t size = LinkDynamics::inertial_parameters * links.bodies(), count = more.size() / size;
@@ -109,6 +121,8 @@ void bind_links(nb::module_& m) {
       .def("mass_matrix", &mass_matrix, nb::arg("q"), nb::arg("out"))
       .def("bias", &bias, nb::arg("q"), nb::arg("v"), nb::arg("out"))
       .def("inverse_dynamics", &inverse_dynamics, nb::arg("q"), nb::arg("v"), nb::arg("a"), nb::arg("out"))
+      .def("inverse_derivatives", &inverse_derivatives, nb::arg("q"), nb::arg("v"), nb::arg("a"), nb::arg("by_q"),
+           nb::arg("by_v"))
       .def("inertial_torques", &inertial_torques, nb::arg("q"), nb::arg("v"), nb::arg("a"), nb::arg("more"),
            nb::arg("out"))
       .def("energy", &energy, nb::arg("q"), nb::arg("v"), nb::arg("kinetic"), nb::arg("potential"));

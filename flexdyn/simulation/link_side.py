@@ -64,6 +64,13 @@ class LinkSide:
         """M(q) a + h(q, v) (..., n) [N m]."""
         return self._filled(self._links.inverse_dynamics, q, v, a)
 
+    def inverse_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> tuple[Array, Array]:
+        """Derivatives of M(q) a + h(q, v) by q and by v (..., n, n), the joint of the torque first."""
+        q_, v_, a_ = self._columns(q, v, a)
+        by_q, by_v = (np.empty((*q_.shape, self.n)) for _ in range(2))
+        self._links.inverse_derivatives(q_, v_, a_, by_q, by_v)
+        return by_q, by_v
+
     def extra_torques(self, others: Sequence[LinkSide], q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """Torques that the same arm with other inertias needs in addition to those of this one (..., k, n) [N m].
 

@@ -115,6 +115,23 @@ def test_gravity_torque_is_the_slope_of_the_energy() -> None:
         assert (up - down) / (2 * step) == pytest.approx(links.bias(q, still)[j], abs=1e-7)
 
 
+@pytest.mark.parametrize("name", ["ur5", "slider", "mimic"])
+def test_slopes_of_the_inverse_dynamics_are_those_of_differences(name: str, tmp_path: Path) -> None:
+    """By positions and speeds, central differences; of a joint that leads another, through both."""
+    models = {"slider": slider_model, "mimic": lambda folder: fd.FlexibleJointModel(coupled(folder, -1.5, 0.4))}
+    model = models[name](tmp_path) if name in models else fd.load_model(name)
+    links, step = fd.LinkSide(model), 1e-6
+    q, v, a = np.random.default_rng(5).normal(0, 1, (3, 20, model.n))
+    by_q, by_v = links.inverse_derivatives(q, v, a)
+    for j, more in enumerate(step * np.eye(model.n)):
+        ahead, behind = (links.inverse_dynamics(q + sign * more, v, a) for sign in (1, -1))
+        np.testing.assert_allclose(by_q[..., j], (ahead - behind) / (2 * step), atol=1e-6)
+        faster, slower = (links.inverse_dynamics(q, v + sign * more, a) for sign in (1, -1))
+        np.testing.assert_allclose(by_v[..., j], (faster - slower) / (2 * step), atol=1e-6)
+    with pytest.raises(ValueError, match="derivatives are"):
+        links._links.inverse_derivatives(q, v, a, by_q[0], by_v)
+
+
 def test_wrong_number_of_columns_is_refused() -> None:
     """A state of another arm is an error, not a reading past its end."""
     links = fd.LinkSide(fd.load_model("scara_two_link"))

@@ -174,10 +174,7 @@ class Equations(EquationRows):
 
     def change(self, effects: Sequence[Effect]) -> Array:
         """Change of the residual (rows,) where the model has these effects; all equations are computed again."""
-        here, other = self.residual, self._with(self.model.replace(effects=effects))
-        for own, its in zip(self.motions, other.motions, strict=True):
-            its.take_slopes(own)
-        return other.residual - here
+        return self._with(self.model.replace(effects=effects)).residual - self.residual
 
     def of_terms(self, j: int, terms: Callable[[SmoothedMotion], Torques]) -> Array:
         """The contribution of torques in one joint's equations to the rows (rows,)."""

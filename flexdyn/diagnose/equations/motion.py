@@ -17,10 +17,8 @@ from flexdyn.diagnose.lazy import kept, lazy
 from flexdyn.simulation.link_side import LinkSide
 
 Places = NDArray[np.intp] | slice
-DYNAMICS_STEP = 1e-5
-"""Step of the differences of h [rad and rad/s, or m and m/s]."""
 SHARED_MOTION_SHARE, SHARED_TORQUE_SHARE = 0.01, 0.1
-"""Slopes of h are shared if motions, and their torques, differ by less than these shares of their ranges [1]."""
+"""Slopes of M a + h are shared if motions, and their torques, differ by less than these shares of their ranges [1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +54,7 @@ class SmoothedMotion(Smoothed):
     def dragged(self, j: int, moved: Sequence[Array], at: Places = slice(None)) -> Array:
         """Change of M a + h (samples, n) by changes of a joint's position, speed and acceleration.
 
-        ``dh/dq_j dq + dh/dv_j dv + M_j da``, with the slopes of h by differences.
+        ``d(M a + h)/dq_j dq + dh/dv_j dv + M_j da``, with Pinocchio's derivatives.
 
         Args:
             j: the joint.
@@ -67,15 +65,6 @@ class SmoothedMotion(Smoothed):
             return self.near.dragged(j, moved, at)
         return np.asarray(sum(s * d[:, None] for s, d in zip(self._slopes(j, at), moved, strict=True)))
 
-    def take_slopes(self, other: SmoothedMotion) -> None:
-        """Use those slopes that another motion knows, if both are similar to the same one.
-
-        They multiply what the equations leave. So the change of a residual by a small step does not show whose they
-        are.
-        """
-        if self.near is not None and self.near in (other, other.near):
-            self._known.update(other._known)
-
     def slopes_by(self, joints: Indices) -> tuple[Array, Array, Array]:
         """Slopes of M a + h at some joints by their positions, speeds and accelerations (samples, joints, joints)."""
         each = [self._slopes(j, slice(None)) for j in joints.tolist()]
@@ -84,20 +73,16 @@ class SmoothedMotion(Smoothed):
 
     def _slopes(self, j: int, at: Places) -> tuple[Array, Array, Array]:
         """Slopes of M a + h by a joint's position, speed and acceleration (samples, n); kept for further columns."""
-        place = (j, isinstance(at, slice))
+        place = isinstance(at, slice)
         if place not in self._known:
-            q, v = self.q[at], self.v[at]
-            ahead, faster = q.copy(), v.copy()
-            ahead[:, j] += DYNAMICS_STEP
-            faster[:, j] += DYNAMICS_STEP
-            given = self.links.bias(q, v)
-            by_place, by_speed = self.links.bias(ahead, v) - given, self.links.bias(q, faster) - given
+            q = self.q[at]
             M = self.M if isinstance(at, slice) else self.links.mass_matrix(q)
-            self._known[place] = (by_place / DYNAMICS_STEP, by_speed / DYNAMICS_STEP, M[:, :, j])
-        return self._known[place]
+            self._known[place] = (*self.links.inverse_derivatives(q, self.v[at], self.a[at]), M)
+        by_place, by_speed, M = (by[:, :, j] for by in self._known[place])
+        return by_place, by_speed, M
 
     @lazy
-    def _known(self) -> dict[tuple[int, bool], tuple[Array, Array, Array]]:
+    def _known(self) -> dict[bool, tuple[Array, Array, Array]]:
         return {}
 
 
