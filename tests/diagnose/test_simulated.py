@@ -171,8 +171,8 @@ def test_windows_at_noise_lack_nothing(tmp_path: Path) -> None:
     assert not unlike_noise(simulated.fits[grown].shot)
 
 
-def test_windows_at_noise_are_equally_likely(tmp_path: Path) -> None:
-    """With the friction, and with a drag beside it: priors alone divide them, and nothing else is as likely."""
+def test_windows_whose_innovations_are_noise_are_equally_likely(tmp_path: Path) -> None:
+    """With the friction, and with a drag beside it: priors alone divide them. A level 3 % off is told from both."""
     found, _, windows = _compared(tmp_path, 0.0, LEVEL)
     drag = next(c for c, each in enumerate(found.space.candidates) if each.kind == "quadratic_drag")
     more, nothing = found.best | {(drag, 0)}, frozenset[tuple[int, int]]()
@@ -186,6 +186,11 @@ def test_windows_at_noise_are_equally_likely(tmp_path: Path) -> None:
     assert made[more].shot.log_likelihood != made[found.best].shot.log_likelihood
     assert known[more] - known[found.best] == pytest.approx(prior[more] - prior[found.best])
     assert known[nothing] < known[more] - 1000.0
+    (law,) = found.fitted.hypothesis.effects
+    wrong = fd.effects.CoulombFriction("lift", side="motor", level=0.97 * LEVEL)
+    both = (found.fitted.hypothesis, found.fitted.hypothesis.with_instead(law, wrong))
+    shots = [shoot(each.seen(), windows) for each in both]
+    assert [shot.has_white_innovations() for shot in shots] == [True, False]
 
 
 def test_what_windows_have_found_is_fitted_to_them_where_another_part_goes(tmp_path: Path) -> None:

@@ -20,16 +20,14 @@ from scipy.optimize import brentq
 from scipy.special import ndtr
 
 from flexdyn.arrays import Array
-from flexdyn.diagnose.decision.corrected import Corrected
-from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.inference.candidate import Candidate
+from flexdyn.diagnose.decision.corrected import Corrected, is_there
 from flexdyn.diagnose.inference.space import Structure
 from flexdyn.diagnose.inference.structure_model import effect_of, hypothesis_of
 from flexdyn.diagnose.report.suspects import CONFIDENCE
 
 NEGLIGIBLE_MASS = 1e-3
 """Probability of a structure from which its numbers count [1]: the rarer ones hardly change an interval."""
-FACTOR = "factor"
+FACTOR_NAME = "factor"
 """The number of a finding that is a number of the file."""
 
 
@@ -68,7 +66,7 @@ NumberShifts = dict[tuple[int, str], Shifts]
 """By candidate and parameter."""
 
 
-def shifts_of_numbers(found: Corrected) -> NumberShifts:
+def shifts_of_sizes_in(found: Corrected) -> NumberShifts:
     """Numbers of every name in the structures that have it, by the linear equations.
 
     Args:
@@ -78,12 +76,12 @@ def shifts_of_numbers(found: Corrected) -> NumberShifts:
         by candidate and parameter; what structures do not tell is not in it.
     """
     masses = found.masses
-    own = _numbers(found, _structure_of(found))
+    own = _sizes_in(found, _structure_of(found))
     made: dict[tuple[int, str], list[tuple[float, float]]] = {}
     for structure, log, p in zip(masses.structures, masses.log, masses.probability, strict=True):
         if p < NEGLIGIBLE_MASS or not math.isfinite(log):  # those of other linearisations have no grid points here
             continue
-        for key, value in _numbers(found, structure).items():
+        for key, value in _sizes_in(found, structure).items():
             if key in own and math.isfinite(value - own[key]):
                 made.setdefault(key, []).append((value - own[key], float(p)))
     arrays = {key: np.array(each).T for key, each in made.items()}
@@ -92,21 +90,17 @@ def shifts_of_numbers(found: Corrected) -> NumberShifts:
 
 def _structure_of(found: Corrected) -> Structure:
     """The corrected model as a structure of the last linearisation, as far as the most probable one has it."""
-    return frozenset((c, p) for c, p in found.masses.structures[0] if _is_there(found.candidates[c], found.hypothesis))
+    return frozenset((c, p) for c, p in found.masses.structures[0] if is_there(found.candidates[c], found.hypothesis))
 
 
-def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
-    return candidate.number in here.freed if candidate.number is not None else effect_of(candidate, here) is not None
-
-
-def _numbers(found: Corrected, structure: Structure) -> dict[tuple[int, str], float]:
+def _sizes_in(found: Corrected, structure: Structure) -> dict[tuple[int, str], float]:
     """Sizes of the names that a structure has, with its coefficients by the linear equations."""
     made = hypothesis_of(found.space, structure, whole=True)
     there, numbers = {c for c, _ in structure}, {}
     for c in sorted(found.named & there):
         candidate = found.candidates[c]
         if candidate.number is not None:
-            numbers[c, FACTOR] = made.factors[candidate.number]
+            numbers[c, FACTOR_NAME] = made.factors[candidate.number]
         elif (effect := effect_of(candidate, made)) is not None:
             numbers |= {(c, name): float(getattr(effect, name)) for name in effect.neutral}
     return numbers

@@ -135,7 +135,7 @@ def corrected(
     space, here = found.space, found.fitted.hypothesis
     masses = _masses(found)
     best = frozenset(c for c, _ in found.best)
-    there = [c for c in sorted(best) if _is_there(space.candidates[c], here)]
+    there = [c for c in sorted(best) if is_there(space.candidates[c], here)]
     apart = functools.partial(power_ratios, space, overstated=_overstated(found))
     own = _genuine(found, apart(found.best))
     may = functools.partial(_may_stand_in, found, masses)
@@ -169,7 +169,7 @@ def corrected(
         made = fit_of_kept(space, made, {each.candidate for each in kept} | completed(kept), refit)
     if not made.block:  # what was fitted to windows stays: the equations may not see it
         made = no_stiffer_than_seen(less_rounded(continued(made)))
-    kept = tuple(each for each in kept if _is_there(space.candidates[each.candidate], made.hypothesis))
+    kept = tuple(each for each in kept if is_there(space.candidates[each.candidate], made.hypothesis))
     explained = leaves_noise(made, plain)
     made = made if explained else within(made)
     return Corrected(made, kept, masses, space, explained, weighed())
@@ -209,7 +209,7 @@ def _masses(found: Posterior) -> Masses:
     return masses.without(found.rejected)
 
 
-def _is_there(candidate: Candidate, here: Hypothesis) -> bool:
+def is_there(candidate: Candidate, here: Hypothesis) -> bool:
     """Whether a candidate that may be named does something in a hypothesis."""
     if candidate.number is not None:
         return candidate.number in here.freed

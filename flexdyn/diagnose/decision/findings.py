@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from scipy.special import ndtr
 
 from flexdyn.diagnose.constants import ESTABLISHED, IN_TOLERANCE
-from flexdyn.diagnose.decision.averaged import FACTOR, NumberShifts, shifts_of_numbers
+from flexdyn.diagnose.decision.averaged import FACTOR_NAME, NumberShifts, shifts_of_numbers
 from flexdyn.diagnose.decision.corrected import Corrected
 from flexdyn.diagnose.decision.gains import in_order
 from flexdyn.diagnose.decision.model_effects import with_elasticity
@@ -130,7 +130,7 @@ def _numbers_of_candidate(
         return {}
     if candidate.number is not None:
         std = math.nan if made is None else made.factor_std()[candidate.number]
-        return {FACTOR: Number(here.factors[candidate.number], std, "1")}
+        return {FACTOR_NAME: Number(here.factors[candidate.number], std, "1")}
     effect = effect_of(candidate, here)
     return {} if effect is None else numbers_of(model, effect, None if made is None else made.std())
 

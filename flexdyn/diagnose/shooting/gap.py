@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexdyn.arrays import Array, Flags
-from flexdyn.diagnose.constants import NOISE_GAP, STRAY_SHARE
+from flexdyn.diagnose.constants import CERTAIN_SIGMAS, NOISE_GAP, NOISE_LEVEL_ERROR, STRAY_SHARE
 from flexdyn.diagnose.equations.shared import same_signals
 from flexdyn.diagnose.shooting.matched import FAILED_WINDOW_SHARE, Matching, bounded_residual
 from flexdyn.diagnose.shooting.shooter import Shooter
@@ -126,6 +126,17 @@ class Shot:
         """
         each = np.sort(self.by_window**2)
         return float(each[: max(1, math.ceil((1.0 - STRAY_SHARE) * len(each)))].mean())
+
+    def has_white_innovations(self) -> bool:
+        """Whether the innovations are noise, chance and a misjudged level of it, in all windows but a few.
+
+        They tell more than `left`, in which noise that builds up over a window hides errors.
+        """
+        kept = np.argsort(self.misfit)[: math.ceil((1.0 - STRAY_SHARE) * len(self.misfit))]
+        rows, misfit = self._rows[kept], self.misfit[kept]
+        count = max(float(rows.sum()), 1.0)
+        chance = CERTAIN_SIGMAS * math.sqrt(2.0 / count)
+        return float((rows * misfit).sum()) <= (1.0 + NOISE_LEVEL_ERROR + chance) * count
 
     def is_mostly_noise(self, floor: float = 1.0) -> bool:
         """Whether all windows but those that are farthest off are noise together.

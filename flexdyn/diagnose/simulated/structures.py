@@ -96,14 +96,14 @@ class Simulated:
     def known(self) -> dict[Structure, float]:
         """Log posteriors of those simulated.
 
-        Windows at noise all have the greatest likelihood: the level and the spectrum of the noise are not known well
-        enough to compare them.
+        Those whose innovations are noise all have the greatest likelihood: the level and the spectrum of the noise are
+        not known well enough to compare covariances.
         """
         most = max((each.shot.log_likelihood for each in self.fits.values()), default=0.0)
         return {
             structure: self.found.space.log_volume(structure)
             + made.log_posterior
-            + (0.0 if unlike_noise(made.shot) else most - made.shot.log_likelihood)
+            + (most - made.shot.log_likelihood if made.shot.has_white_innovations() else 0.0)
             for structure, made in self.fits.items()
         }
 
