@@ -66,7 +66,7 @@ NumberShifts = dict[tuple[int, str], Shifts]
 """By candidate and parameter."""
 
 
-def shifts_of_sizes_in(found: Corrected) -> NumberShifts:
+def shifts_of_numbers(found: Corrected) -> NumberShifts:
     """Numbers of every name in the structures that have it, by the linear equations.
 
     Args:
@@ -76,21 +76,21 @@ def shifts_of_sizes_in(found: Corrected) -> NumberShifts:
         by candidate and parameter; what structures do not tell is not in it.
     """
     masses = found.masses
-    own = _sizes_in(found, _structure_of(found))
+    here = np.isfinite(masses.log) & (masses.probability >= NEGLIGIBLE_MASS)  # others have grid points elsewhere
+    kept = [(masses.structures[k], float(masses.probability[k])) for k in np.flatnonzero(here).tolist()]
     made: dict[tuple[int, str], list[tuple[float, float]]] = {}
-    for structure, log, p in zip(masses.structures, masses.log, masses.probability, strict=True):
-        if p < NEGLIGIBLE_MASS or not math.isfinite(log):  # those of other linearisations have no grid points here
-            continue
+    own = _sizes_in(found, _of_corrected(found, kept[0][0])) if kept else {}
+    for structure, p in kept:
         for key, value in _sizes_in(found, structure).items():
             if key in own and math.isfinite(value - own[key]):
-                made.setdefault(key, []).append((value - own[key], float(p)))
+                made.setdefault(key, []).append((value - own[key], p))
     arrays = {key: np.array(each).T for key, each in made.items()}
     return {key: Shifts(shift, p / p.sum()) for key, (shift, p) in arrays.items()}
 
 
-def _structure_of(found: Corrected) -> Structure:
-    """The corrected model as a structure of the last linearisation, as far as the most probable one has it."""
-    return frozenset((c, p) for c, p in found.masses.structures[0] if is_there(found.candidates[c], found.hypothesis))
+def _of_corrected(found: Corrected, best: Structure) -> Structure:
+    """The part of the most probable structure that the corrected model has."""
+    return frozenset((c, p) for c, p in best if is_there(found.candidates[c], found.hypothesis))
 
 
 def _sizes_in(found: Corrected, structure: Structure) -> dict[tuple[int, str], float]:
