@@ -13,7 +13,8 @@ from flexdyn.diagnose.hypothesis.fitted import Fit
 from flexdyn.diagnose.inference.passes import Posterior
 from flexdyn.diagnose.inference.scan import Scan
 from flexdyn.diagnose.inference.space import Structure
-from flexdyn.diagnose.inference.structure_model import hypothesis_of
+from flexdyn.diagnose.inference.structure_model import hypothesis_of, waits
+from flexdyn.diagnose.shooting.gap import Shot
 from flexdyn.diagnose.shooting.windows import Windows
 from flexdyn.diagnose.simulated.window_fit import WindowFit, fit_to_windows, searched, unlike_noise
 from flexdyn.diagnose.simulated.window_scan import Addition, Responses, is_asked, promising
@@ -55,10 +56,20 @@ class Simulated:
 
     def start(self, structure: Structure) -> None:
         """Simulate with the numbers of the equations; a structure that cannot be simulated is left out."""
-        if structure in self.fits:
+        if structure in self.fits or self._lacking_springs(structure) - self._lacking_springs(self.found.best):
             return
         with contextlib.suppress(FlexdynError):
             self._take(structure, WindowFit.of(self.by_equations(structure), self.windows))
+
+    def _lacking_springs(self, structure: Structure) -> set[str]:
+        """Rigid joints on which friction takes the load, without the elasticity that it needs.
+
+        A hypothesis gets one all the same. Fitted to windows it would be a number for which nothing is paid.
+        """
+        space = self.found.space
+        each = [space.candidates[c] for c, _ in structure]
+        loaded = {space.candidates[c].place["joint"] for c, _ in structure if waits(space, c)}
+        return loaded - {one.place["joint"] for one in each if one.law.makes_elastic}
 
     def by_equations(self, structure: Structure) -> Fit:
         """A structure with the numbers of the equations."""
@@ -96,14 +107,14 @@ class Simulated:
     def known(self) -> dict[Structure, float]:
         """Log posteriors of those simulated.
 
-        Those whose innovations are noise all have the greatest likelihood: the level and the spectrum of the noise are
-        not known well enough to compare covariances.
+        Where windows and innovations are noise, all have the greatest likelihood: level and spectrum of the noise are not
+        known well enough to compare covariances.
         """
         most = max((each.shot.log_likelihood for each in self.fits.values()), default=0.0)
         return {
             structure: self.found.space.log_volume(structure)
             + made.log_posterior
-            + (most - made.shot.log_likelihood if made.shot.has_white_innovations() else 0.0)
+            + (most - made.shot.log_likelihood if _is_noise(made.shot) else 0.0)
             for structure, made in self.fits.items()
         }
 
@@ -229,3 +240,11 @@ class Simulated:
         """Those that could be simulated, the most likely one first."""
         known = self.known
         return sorted((s for s in structures if s in known), key=lambda s: (-known[s], sorted(s)))
+
+
+def _is_noise(shot: Shot) -> bool:
+    """Whether neither the windows nor their innovations leave more than noise: each hides what the other one shows.
+
+    In the windows errors drown in the noise that builds up; innovations forgive those that build up slowly.
+    """
+    return not unlike_noise(shot) and shot.has_white_innovations()
