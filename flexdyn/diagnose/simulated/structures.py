@@ -107,8 +107,8 @@ class Simulated:
     def known(self) -> dict[Structure, float]:
         """Log posteriors of those simulated.
 
-        Where windows and innovations are noise, all have the greatest likelihood: level and spectrum of the noise are not
-        known well enough to compare covariances.
+        Where windows and innovations are noise, all have the greatest likelihood: level and spectrum of the noise are
+        not known well enough to compare covariances.
         """
         most = max((each.shot.log_likelihood for each in self.fits.values()), default=0.0)
         return {
