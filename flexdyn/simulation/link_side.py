@@ -65,7 +65,7 @@ class LinkSide:
         return self._filled(self._links.inverse_dynamics, q, v, a)
 
     def inverse_derivatives(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> tuple[Array, Array]:
-        """Derivatives of M(q) a + h(q, v) by q and by v (..., n, n), the joint of the torque first."""
+        """Derivatives of M(q) a + h(q, v) by q and by v (..., n, n) [N m/rad, N m s/rad], the torque's joint first."""
         q_, v_, a_ = self._columns(q, v, a)
         by_q, by_v = (np.empty((*q_.shape, self.n)) for _ in range(2))
         self._links.inverse_derivatives(q_, v_, a_, by_q, by_v)

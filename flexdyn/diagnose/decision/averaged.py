@@ -55,11 +55,12 @@ class Shifts:
             return std
         s = max(std, 1e-9 * farthest)
 
-        def lacks(w: float) -> float:
+        def beyond(w: float) -> float:
+            """What the interval of this half-width holds beyond 95 %."""
             held = ndtr((w - self.shift) / s) - ndtr((-w - self.shift) / s)
             return float(self.probability @ held) - inside
 
-        return max(std, float(brentq(lacks, 0.0, farthest + 2.0 * CONFIDENCE * s)) / CONFIDENCE)
+        return max(std, float(brentq(beyond, 0.0, farthest + 2.0 * CONFIDENCE * s)) / CONFIDENCE)
 
 
 NumberShifts = dict[tuple[int, str], Shifts]

@@ -96,18 +96,15 @@ def _beyond_by(number: FileNumber, factor: float, std: float) -> float:
 
 
 def _finding_of(
-    model: FlexibleJointModel,
-    found: Corrected,
-    name: Name,
-    gains: Mapping[int, float],
-    shifts: NumberShifts,
+    model: FlexibleJointModel, found: Corrected, name: Name, gains: Mapping[int, float], shifts: NumberShifts
 ) -> Finding:
     masses, candidates, c = found.masses, found.candidates, name.candidate
     compared = c in masses.candidates
     alone = masses.of_any([c]) if name.rivals else name.probability
-    numbers = _numbers_of_candidate(model, candidates[c], found.hypothesis, found.fitted)
-    for key in numbers.keys() & {parameter for of, parameter in shifts if of == c}:
-        numbers[key] = dataclasses.replace(numbers[key], std=shifts[c, key].widened(numbers[key].std))
+    numbers = {
+        key: dataclasses.replace(one, std=shifts[c, key].widened(one.std)) if (c, key) in shifts else one
+        for key, one in _numbers_of_candidate(model, candidates[c], found.hypothesis, found.fitted).items()
+    }
     suspect = suspect_of(model, candidates[c], alone, numbers)
     rivals = tuple(
         suspect_of(

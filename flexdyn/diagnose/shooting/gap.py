@@ -130,7 +130,7 @@ class Shot:
     def has_white_innovations(self) -> bool:
         """Whether the innovations are noise, chance and a misjudged level of it, in all windows but a few.
 
-        They tell more than `left`, in which noise that builds up over a window hides errors.
+        The noise that builds up over a window hides errors from `left`, but not from them.
         """
         kept = np.argsort(self.misfit)[: math.ceil((1.0 - STRAY_SHARE) * len(self.misfit))]
         rows, misfit = self._rows[kept], self.misfit[kept]

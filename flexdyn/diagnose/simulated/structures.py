@@ -49,6 +49,7 @@ class Simulated:
     def __init__(self, found: Posterior, windows: Windows) -> None:
         self.found, self.windows = found, windows
         self.fits: dict[Structure, WindowFit] = {}
+        self._weighed: dict[Structure, tuple[float, float, bool]] = {}
         self.tried: set[Structure] = set()
         self.fitted: set[Structure] = set()
         self.promised: dict[Structure, list[Addition]] = {}
@@ -101,7 +102,9 @@ class Simulated:
 
     def _take(self, structure: Structure, made: WindowFit) -> None:
         if math.isfinite(made.log_posterior):  # else no window could be simulated
-            self.fits[structure] = made
+            self.fits[structure], likelihood = made, made.shot.log_likelihood
+            rest = self.found.space.log_volume(structure) + made.log_posterior - likelihood
+            self._weighed[structure] = (rest, likelihood, _is_noise(made.shot))
 
     @property
     def known(self) -> dict[Structure, float]:
@@ -110,12 +113,10 @@ class Simulated:
         Where windows and innovations are noise, all have the greatest likelihood: level and spectrum of the noise are
         not known well enough to compare covariances.
         """
-        most = max((each.shot.log_likelihood for each in self.fits.values()), default=0.0)
+        most = max((likelihood for _, likelihood, _ in self._weighed.values()), default=0.0)
         return {
-            structure: self.found.space.log_volume(structure)
-            + made.log_posterior
-            + (most - made.shot.log_likelihood if _is_noise(made.shot) else 0.0)
-            for structure, made in self.fits.items()
+            structure: rest + (most if noise else likelihood)
+            for structure, (rest, likelihood, noise) in self._weighed.items()
         }
 
     def best(self) -> Structure:
