@@ -45,6 +45,18 @@ def noise_of(levels: Levels) -> SampleNoise:
     return SampleNoise(position, position, torque, np.zeros(2))
 
 
+@pytest.mark.parametrize(("signals", "most"), [(BOTH, 1e-5), (LINK, 0.02)], ids=["both encoders", "link"])
+def test_an_offset_of_an_encoder_is_seen_by_the_inertia_that_changes_with_position(
+    signals: tuple[str, ...], most: float
+) -> None:
+    """On an arm that no gravity loads, by nothing else: its column is the change of the residual."""
+    at = equations(Levels(1e-7, 1e-3), 0, signals)
+    offset = fd.effects.SensorOffset("q.elbow", offset=1e-4)
+    column, change = columns.of_effect(at, offset), at.change([*at.model.effects, offset])
+    assert float(np.abs(change).max()) > 0.0
+    assert np.linalg.norm(column - change) < most * np.linalg.norm(change)
+
+
 @pytest.mark.parametrize("signals", [BOTH, LINK, MOTOR], ids=["both encoders", "link", "motor"])
 @pytest.mark.parametrize(
     "levels", [Levels(2e-5, 0.05), Levels(1e-6, 0.05), Levels(1e-4, 1e-3)], ids=["both", "torque noise", "sensor noise"]

@@ -113,13 +113,13 @@ def test_recordings_are_not_correlated_across() -> None:
 @given(
     seed=st.integers(0, 1000),
     lengths=st.lists(st.integers(1, 60), min_size=1, max_size=4),
-    factor=st.floats(1e-3, 1e3),
+    factor=st.floats(1.0, 1e3),
     pad=st.integers(0, 30),
 )
 def test_memory_has_no_unit_no_order_and_no_direction(seed: int, lengths: list[int], factor: float, pad: int) -> None:
     """Of rows in another unit, of recordings in another order, backwards in time, between rows that are hidden."""
     draw = np.random.default_rng(seed)
-    parts = [lfilter([1.0], [1.0, -0.7], draw.standard_normal(n)) for n in lengths]
+    parts = [lfilter([1e9], [1.0, -0.7], draw.standard_normal(n)) for n in lengths]  # far above the noise
     holes = [draw.random(n) < 0.2 for n in lengths]
 
     def times(order: list[int], turn: int = 1, scale: float = 1.0, more: int = 0) -> float:
@@ -133,6 +133,15 @@ def test_memory_has_no_unit_no_order_and_no_direction(seed: int, lengths: list[i
     assert wanted >= 1.0
     for found in (times(forth[::-1]), times(forth, -1), times(forth, 1, factor), times(forth, more=pad)):
         assert found == pytest.approx(wanted, rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.9, 0.5, 0.1])
+def test_rows_below_the_noise_remember_as_rows_of_noise_beside_them(share: float) -> None:
+    """Rows of less noise than they are taken to have tell as much as if the rest of it were there, and white."""
+    rows = np.sqrt(share) * _autoregressive(0.9, 200_000, 9) / np.std(_autoregressive(0.9, 200_000, 9))
+    noisy = rows + np.sqrt(1.0 - share) * np.random.default_rng(10).standard_normal(len(rows))
+    hidden = np.zeros(len(rows), bool)
+    assert float(_of(rows, hidden).times[0]) == pytest.approx(float(_of(noisy, hidden).times[0]), rel=0.05)
 
 
 def test_equations_do_not_mix() -> None:

@@ -6,13 +6,12 @@ import numpy as np
 
 from flexdyn.arrays import Array
 from flexdyn.diagnose.data.measured import Measured
-from flexdyn.records.signals.reading_noise import high_frequency_std, reading_noise
+from flexdyn.records.signals.reading_noise import high_frequency_std
 
 
 def encoder_noise(data: tuple[Measured, ...], signal: str) -> Array:
     """Standard deviation of each joint's encoder (n,) [rad or m]: of its steps, or of parts that no motion explains."""
-    n = getattr(data[0], signal).shape[1]
-    return np.array([max(reading_noise(getattr(each, signal)[:, j]) for each in data) for j in range(n)])
+    return np.asarray(np.max([getattr(each, f"{signal}_noise") for each in data], axis=0))
 
 
 def recorded_torque_noise(data: tuple[Measured, ...]) -> Array:

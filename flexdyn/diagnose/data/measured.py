@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,10 +11,13 @@ import numpy as np
 
 from flexdyn.arrays import Array, Flags
 from flexdyn.checks import check_known
+from flexdyn.effects.sensor import POSITIONS
 from flexdyn.errors import InputError
 from flexdyn.model.flexible_joint_model import FlexibleJointModel
 from flexdyn.records import Recording
+from flexdyn.records.signals.between_steps import between_steps
 from flexdyn.records.signals.decimate import CLOCK_JITTER
+from flexdyn.records.signals.reading_noise import reading_noise
 
 SIGNALS = ("q", "theta", "tau", "tau_s")
 
@@ -35,6 +38,8 @@ class Measured:
         has_theta: joints with a motor encoder (n,).
         has_tau_s: joints with a torque sensor (n,).
         forced: joints whose motion a test rig prescribes (n,).
+        q_noise, theta_noise: standard deviations of one reading of the encoders (n,) [rad or m].
+        q_stays, theta_stays: of errors of positions that stay for longer than filters reach (samples, n) [rad or m].
     """
 
     name: str
@@ -48,6 +53,10 @@ class Measured:
     has_theta: Flags
     has_tau_s: Flags
     forced: Flags
+    q_noise: Array
+    theta_noise: Array
+    q_stays: Array | float = 0.0
+    theta_stays: Array | float = 0.0
 
     @property
     def both(self) -> Flags:
@@ -66,7 +75,20 @@ class Measured:
 
     def part(self, first: int, last: int) -> Measured:
         """Samples from `first` up to, but without, `last`; times are still those since the start of the run."""
-        return dataclasses.replace(self, **{name: getattr(self, name)[first:last] for name in ("t", *SIGNALS)})
+        signals: dict[str, Any] = {name: getattr(self, name)[first:last] for name in ("t", *SIGNALS)}
+        return dataclasses.replace(self, **signals, **_noise(signals))
+
+    def between_steps(self, least: int) -> Measured:
+        """The same with positions that are more exact than the readings; the noise stays that of a reading.
+
+        Args:
+            least: see `between_steps`.
+        """
+        finer: dict[str, Any] = {}
+        for signal in POSITIONS:
+            each = [between_steps(x, least) for x in getattr(self, signal).T]
+            finer[signal], finer[f"{signal}_stays"] = (np.stack(some, axis=1) for some in zip(*each, strict=True))
+        return dataclasses.replace(self, **finer)
 
 
 def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
@@ -89,7 +111,12 @@ def measured(model: FlexibleJointModel, recording: Recording) -> Measured:
     t = recording.t - recording.t[0]
     dt = float(t[-1]) / (len(t) - 1)
     forced = np.array([joint in recording.prescribed for joint in names])
-    return Measured(name=recording.name, t=t, dt=dt, forced=forced, **found)
+    return Measured(name=recording.name, t=t, dt=dt, forced=forced, **found, **_noise(found))
+
+
+def _noise(signals: Mapping[str, Any]) -> dict[str, Any]:
+    """Standard deviations of one reading of each joint's encoders (n,)."""
+    return {f"{name}_noise": np.array([reading_noise(x) for x in signals[name].T]) for name in POSITIONS}
 
 
 def _check_joints(model: FlexibleJointModel, recording: Recording) -> None:

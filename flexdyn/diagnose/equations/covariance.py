@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -17,7 +18,7 @@ from flexdyn.diagnose.equations.held_torque import HELD
 from flexdyn.diagnose.equations.hidden_links import error_of_rests
 from flexdyn.diagnose.equations.layout import MOTOR, TOTAL
 from flexdyn.diagnose.equations.motion import SmoothedMotion
-from flexdyn.diagnose.equations.noise_coefficients import coefficients, freest
+from flexdyn.diagnose.equations.noise_coefficients import Channel, Terms, coefficients, freest
 from flexdyn.diagnose.equations.vibration_noise import VIBRATION_ROWS, vibration_noise
 from flexdyn.diagnose.lazy import last
 
@@ -143,6 +144,29 @@ def _add_noise(equations: Equations, along: SmoothedMotion, noise: SampleNoise, 
             if other == channel:
                 weights[: len(R), k, m] = getattr(noise, signal)[j] ** 2 * R[:, order, at]
     _core.noise_band(table, weights, band)
+    _add_what_stays(equations, along, found, band)
+
+
+def _add_what_stays(
+    equations: Equations, along: SmoothedMotion, found: dict[Channel, dict[int, Terms]], band: Array
+) -> None:
+    """Add errors of positions that no filter lessens, as they stay, to the band of one recording (rows, width).
+
+    Their correlation falls to 0 at the width of the band; what lasts longer is part of the model error's memory.
+    """
+    many, at = len(equations.kinds), along.lost + equations.filters.instants(len(along.t))
+    lags = band.shape[1] // many
+    for (signal, j), orders in found.items():
+        stays = np.asarray(getattr(along.data, f"{signal}_stays", 0.0))
+        if 0 not in orders or not stays.any():
+            continue
+        rows = {row: coefficient * stays[at, j] for row, coefficient in orders[0].items()}
+        for lag, (later, now) in itertools.product(range(lags), itertools.product(rows, repeat=2)):
+            if lag * many + later >= now:
+                end = len(at) - lag
+                band[now : many * end + now : many, lag * many + later - now] += (
+                    (1.0 - lag / lags) * rows[later][lag:] * rows[now][:end]
+                )
 
 
 def _add_vibration(equations: Equations, along: SmoothedMotion, noise: SampleNoise, band: Array) -> None:

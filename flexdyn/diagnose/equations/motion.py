@@ -18,7 +18,7 @@ from flexdyn.simulation.link_side import LinkSide
 
 Places = NDArray[np.intp] | slice
 SHARED_MOTION_SHARE, SHARED_TORQUE_SHARE = 0.01, 0.1
-"""Slopes of h are shared if motions, and their torques, differ by less than these shares of their ranges [1]."""
+"""Slopes are shared if motions, and their torques, differ by less than these shares of their ranges [1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class SmoothedMotion(Smoothed):
     def dragged(self, j: int, moved: Sequence[Array], at: Places = slice(None)) -> Array:
         """Change of M a + h (samples, n) by changes of a joint's position, speed and acceleration.
 
-        ``dh/dq_j dq + dh/dv_j dv + M_j da``, with Pinocchio's derivatives of h.
+        ``d(M a + h)/dq_j dq + dh/dv_j dv + M_j da``, with Pinocchio's derivatives.
 
         Args:
             j: the joint.
@@ -72,15 +72,12 @@ class SmoothedMotion(Smoothed):
         return place, speed, M
 
     def _slopes(self, j: int, at: Places) -> tuple[Array, Array, Array]:
-        """Slopes of h by a joint's position and speed, and of M a by its acceleration (samples, n); they are kept.
-
-        How M a changes with position is left out (docs/diagnosis_results.md, "What is not done").
-        """
+        """Slopes of M a + h by a joint's position, speed and acceleration (samples, n); they are kept."""
         place = isinstance(at, slice)
         if place not in self._known:
             q = self.q[at]
             M = self.M if isinstance(at, slice) else self.links.mass_matrix(q)
-            self._known[place] = (*self.links.inverse_derivatives(q, self.v[at], np.zeros_like(q)), M)
+            self._known[place] = (*self.links.inverse_derivatives(q, self.v[at], self.a[at]), M)
         by_place, by_speed, M = (by[:, :, j] for by in self._known[place])
         return by_place, by_speed, M
 

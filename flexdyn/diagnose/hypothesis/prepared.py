@@ -37,7 +37,9 @@ def prepared(
     """
     start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
     noise, given = recorded_noise(data), with_factors(model, {}, start.effects)
-    moving = _filtered(Equations(given, data, Filters.of_rate(data[0].dt)), noise)
+    filters = Filters.of_rate(data[0].dt)
+    data = tuple(each.between_steps(2 * filters.reach(1)) for each in data)
+    moving = _filtered(Equations(given, data, filters), noise)
     bare = Unweighted.of(moving, noise, start.factors)
     used = ~bare.mask.reshape(-1, len(moving.kinds))
     if used.sum(axis=0).min() < len(start.factors):  # sweeps of single joints: some equation cannot tell the numbers

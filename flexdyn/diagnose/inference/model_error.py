@@ -10,6 +10,9 @@ are independent (Bartlett, 1935). The sum is over all lags of the recording, bec
 about a model error. For every lag with N - k pairs, 1/(N - k) is subtracted from rho_k^2, the expected value for white
 rows. For correlated rows it would be t/(N - k), so that t may be estimated as up to 3 t - 2: evidence is counted too
 low rather than too high.
+
+Rows of a mean square v below 1 have less noise than they are taken to have. What is missing counts as white noise:
+their autocorrelations are v rho_k.
 """
 
 from __future__ import annotations
@@ -64,12 +67,12 @@ class ModelError:
                 remembered for the whole record, which then counts as one row: too little to fit that constant.
         """
         table = np.where(seen.valid, left.reshape(seen.valid.shape), 0.0)
-        scale = np.sqrt(np.maximum((table**2).sum(axis=0) / seen.count, 1.0))
+        mean = (table**2).sum(axis=0) / seen.count
         many = table.shape[1]
         if about_mean:
             table = np.where(seen.valid, table - table.sum(axis=0) / seen.count, 0.0)
-        times = [_times(table[:, k], seen.valid[:, k], seen.lengths) for k in range(many)]
-        return cls(scale, np.array(times), seen.count)
+        times = np.array([_times(table[:, k], seen.valid[:, k], seen.lengths) for k in range(many)])
+        return cls(np.sqrt(np.maximum(mean, 1.0)), 1.0 + np.minimum(mean, 1.0) ** 2 * (times - 1.0), seen.count)
 
     @property
     def weights(self) -> Array:

@@ -35,7 +35,7 @@ from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, 
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
 
-MOST_PASSES = 5
+MOST_PASSES = 10
 """Linearisations at most."""
 MODEL_ERROR_ROUNDS = 25
 """Times that model error and structure are estimated in turn, at most."""
