@@ -54,6 +54,7 @@ MORE = [
     ("link_only", 270001, 3, "asymmetric friction on a link, which only windows tell from that on the motor"),
     ("link_only", 280001, 5, "Stribeck friction of a motor, which acts in slow motion that the equations mask"),
     ("link_only_wide", 280001, 0, "a wrong coefficient, which windows at noise took for damping of the gear"),
+    ("pair_wide", 290001, 2, "a wrong mass beside friction that takes the load, on an arm that creeps by counts"),
     (
         "triple",
         121001,
@@ -101,6 +102,16 @@ def test_a_payload_on_an_arm_whose_motor_is_at_its_limit(tmp_path: Path) -> None
     assert limit["effect"] == "torque_speed_limit"
     assert payload["effect"] == "payload"
     assert [each["parameter"] for each in payload["indistinguishable_from"]] == ["link_mass"]
+
+
+@pytest.mark.slow
+def test_a_payload_on_a_stiff_arm_at_nearly_whole_counts_per_sample(tmp_path: Path) -> None:
+    """A count of the link's encoder is 1.3 N m of its spring, and the error of the position stays for a second."""
+    found, truth = diagnosed("single_wide", 300001, 1, tmp_path)
+    assert outcome(truth, found) == "half", (found["findings"], truth["hidden"])
+    (finding,) = found["findings"]
+    assert finding["effect"] == "payload"
+    assert [each["parameter"] for each in finding["indistinguishable_from"]] == ["link_mass"]
 
 
 @pytest.mark.slow
