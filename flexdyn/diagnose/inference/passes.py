@@ -35,8 +35,8 @@ from flexdyn.diagnose.inference.structure_model import hypothesis_of, standing, 
 from flexdyn.diagnose.lazy import lazy
 from flexdyn.diagnose.progress import know, tell
 
-MOST_PASSES = 10
-"""Linearisations at most."""
+MOST_PASSES, PASSES_OF_MANY, MANY_CELLS = 10, 7, 2e7
+"""Linearisations at most; where rows times columns are more than this number, fewer: each takes half a minute there."""
 MODEL_ERROR_ROUNDS = 25
 """Times that model error and structure are estimated in turn, at most."""
 STALLED_SHARE = 0.3
@@ -104,11 +104,14 @@ def passes(bare: Unweighted, here: Hypothesis) -> Posterior:
     passed: set[tuple[Identities, Identities]] = set()
     visited: list[tuple[Identities, Hypothesis]] = []
     least = math.inf
+    most = MOST_PASSES
     for k in range(MOST_PASSES):
-        tell(f"comparing structures: pass {k + 1} of at most {MOST_PASSES}", 0.05 + 0.6 * k / MOST_PASSES)
+        tell(f"comparing structures: pass {k + 1} of at most {most}", 0.05 + 0.6 * k / most)
         bare = beginning_as(bare, here)
         near = Linearisation.of(bare, here, own, first)
         space = near.space
+        if first is None and space.seen.valid.size * space.matrix.used > MANY_CELLS:
+            most = PASSES_OF_MANY
         first = first or space.library
         know(space=space)
         stands = standing(space)
@@ -125,7 +128,7 @@ def passes(bare: Unweighted, here: Hypothesis) -> Posterior:
         passed.add((at, places))
         earlier = () if stays else linearised_elsewhere(compared, places)
         compared.append(places)
-        if settled or k == MOST_PASSES - 1:
+        if settled or k == most - 1:
             break
         strong = best if bare.equations.simulated else _strong(space, best, stands, STRONG_GAIN_SHARE ** (k + 1))
         made = likeliest_shapes(space, strong, near.best_fitted(strong, PASS_STEPS))
