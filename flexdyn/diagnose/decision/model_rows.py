@@ -15,7 +15,7 @@ from flexdyn.diagnose.equations.equations import Equations
 from flexdyn.diagnose.equations.layout import LINK, MOTOR, TOTAL
 from flexdyn.diagnose.equations.mask import sign_mask
 from flexdyn.diagnose.hypothesis.hypothesis import Hypothesis
-from flexdyn.diagnose.hypothesis.prepared import recorded_noise
+from flexdyn.diagnose.hypothesis.prepared import between_counts, recorded_noise
 from flexdyn.diagnose.inference.weights import quieter
 from flexdyn.errors import InputError
 from flexdyn.records.signals.decimate import CLOCK_JITTER
@@ -102,7 +102,7 @@ def rows_of_models(
     Raises:
         InputError: they are shorter than the filters.
     """
-    given = dataclasses.replace(equations, data=data, filters=_filters(equations, data[0].dt))
+    given = dataclasses.replace(equations, data=between_counts(data), filters=_filters(equations, data[0].dt))
     if not given.residual.size:
         samples = max(len(each.t) for each in data)
         remedy = "keep more apart (check, hold_out), or record faster"

@@ -161,12 +161,9 @@ def _add_what_stays(
         if 0 not in orders or not stays.any():
             continue
         rows = {row: coefficient * stays[at, j] for row, coefficient in orders[0].items()}
-        for lag, (later, now) in itertools.product(range(lags), itertools.product(rows, repeat=2)):
-            if lag * many + later >= now:
-                end = len(at) - lag
-                band[now : many * end + now : many, lag * many + later - now] += (
-                    (1.0 - lag / lags) * rows[later][lag:] * rows[now][:end]
-                )
+        for lag, later, now in itertools.product(range(lags), rows, rows):
+            both = rows[later][lag:] * rows[now][: len(at) - lag]
+            _add_to_band(band, many, 0, lag, later, now, (1.0 - lag / lags) * both)
 
 
 def _add_vibration(equations: Equations, along: SmoothedMotion, noise: SampleNoise, band: Array) -> None:
@@ -175,10 +172,25 @@ def _add_vibration(equations: Equations, along: SmoothedMotion, noise: SampleNoi
     for each in vibration_noise(equations, along, noise.theta, kernels_of(equations)["theta"][0]):
         for lag, of_lag in enumerate(each.covariance):
             both = each.share[lag:] * each.share[: len(each.share) - lag]
-            begin, end = many * each.first, many * (each.first + len(both))
             for (later, now), value in np.ndenumerate(of_lag):
-                if lag * many + later >= now:
-                    band[begin + now : end + now : many, lag * many + later - now] += value * both
+                _add_to_band(band, many, each.first, lag, later, now, value * both)
+
+
+def _add_to_band(band: Array, many: int, first: int, lag: int, later: int, now: int, covariance: Array) -> None:
+    """Add covariances of two equations, so many rows apart, from a row on; those above the diagonal are left out.
+
+    Args:
+        band: of one recording (rows, width).
+        many: equations.
+        first: row of an equation.
+        lag: rows from the earlier one to the later one.
+        later: equation of the later one.
+        now: equation of the earlier one.
+        covariance: (times,).
+    """
+    if lag * many + later >= now:
+        begin = many * first + now
+        band[begin : begin + many * len(covariance) : many, lag * many + later - now] += covariance
 
 
 @lru_cache(maxsize=16)

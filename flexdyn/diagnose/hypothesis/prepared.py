@@ -37,9 +37,7 @@ def prepared(
     """
     start = start or Hypothesis(model, dict.fromkeys(file_numbers(model), 1.0))
     noise, given = recorded_noise(data), with_factors(model, {}, start.effects)
-    filters = Filters.of_rate(data[0].dt)
-    data = tuple(each.between_steps(2 * filters.reach(1)) for each in data)
-    moving = _filtered(Equations(given, data, filters), noise)
+    moving = _filtered(Equations(given, between_counts(data), Filters.of_rate(data[0].dt)), noise)
     bare = Unweighted.of(moving, noise, start.factors)
     used = ~bare.mask.reshape(-1, len(moving.kinds))
     if used.sum(axis=0).min() < len(start.factors):  # sweeps of single joints: some equation cannot tell the numbers
@@ -92,6 +90,14 @@ def behind_motors(bare: Unweighted, start: Hypothesis) -> Unweighted | None:
     moving = dataclasses.replace(equations, filters=narrow, quasi_static=False, simulated=True)
     moving = _filtered(moving, bare.noise)
     return None if vibration_rules(moving, bare.noise) else Unweighted.of(moving, bare.noise, start.factors)
+
+
+def between_counts(data: tuple[Measured, ...]) -> tuple[Measured, ...]:
+    """Recordings with positions between the counts of encoders whose increments stay equal.
+
+    For longer than the narrowest filters reach: all equations of the same recordings have the same positions.
+    """
+    return tuple(each.between_steps(2 * Filters.of_rate(each.dt).reach(1)) for each in data)
 
 
 def recorded_noise(data: tuple[Measured, ...]) -> SampleNoise:
